@@ -73,7 +73,7 @@ static olx_result find_positions(const olx_scene *scene, const bench_probes *pro
   if (result != OLX_OK) return result;
   made->place_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   made->coverage = set.report.coverage;
-  made->info.probe_count = set.count;
+  made->info.probes.count = set.count;
   *positions = malloc(set.count * sizeof **positions);
   for (uint32_t i = 0; *positions && i < set.count; ++i) (*positions)[i] = set.probes[i].position;
   olx_probe_set_free(&set);
@@ -111,7 +111,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   } else {
     result = find_positions(scene, probes, bake, progress, &positions, made);
     settings.probes = positions;
-    settings.probe_count = made->info.probe_count;
+    settings.probe_count = made->info.probes.count;
   }
   const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
   olx_bake_stats stats = {.seconds = 0.0};

@@ -66,7 +66,7 @@ static int find_page(web_export *e) {
 static int check_field(const web_export *e, const olx_scene *scene) {
   olx_field *field = NULL;
   if (olx_field_open(e->field, &field) != OLX_OK) return library_failure(COMMAND);
-  const uint64_t baked = olx_field_describe(field).scene_hash;
+  const uint64_t baked = olx_field_describe(field).scene.hash;
   olx_field_close(field);
   if (baked == olx_scene_describe(scene).hash) return EXIT_DONE;
   return failure(COMMAND, "%s was baked from another scene than %s", e->field, e->scene);

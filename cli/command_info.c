@@ -19,11 +19,11 @@ typedef struct block {
 
 static void list_blocks(const olx_field_info *info, block blocks[BLOCK_COUNT]) {
   const block list[BLOCK_COUNT] = {
-      {"radiance", info->radiance_bytes}, {"normal", info->normal_bytes},     {"distance", info->distance_bytes},
-      {"pyramid", info->pyramid_bytes},   {"material", info->material_bytes}, {"direct", info->direct_bytes},
-      {"indirect", info->indirect_bytes}, {"emission", info->emission_bytes}, {"irradiance", info->irradiance_bytes},
-      {"moments", info->moments_bytes},   {"selector", info->selector_bytes}, {"classic", info->classic_bytes},
-      {"relight", info->relight_bytes},   {"volume", info->volume_bytes},     {"geometry", info->geometry_bytes}};
+      {"radiance", info->bytes.radiance}, {"normal", info->bytes.normal},      {"distance", info->bytes.distance},
+      {"pyramid", info->bytes.pyramid},   {"material", info->bytes.material},  {"direct", info->bytes.direct},
+      {"indirect", info->bytes.indirect}, {"emission", info->bytes.emission},  {"irradiance", info->bytes.irradiance},
+      {"moments", info->bytes.moments},   {"selector", info->bytes.selectors}, {"classic", info->bytes.classic},
+      {"relight", info->bytes.relight},   {"volume", info->bytes.volume},      {"geometry", info->bytes.geometry}};
   for (int i = 0; i < BLOCK_COUNT; ++i) blocks[i] = list[i];
 }
 
@@ -60,45 +60,45 @@ static int print_info_json(const description *d) {
   const olx_field_info *info = &d->info;
   cJSON *object = cJSON_CreateObject();
   add_number(object, "version", d->version);
-  add_number(object, "probes", info->probe_count);
-  cJSON_AddBoolToObject(object, "probe_light", info->irradiance_probe_count > 0);
-  add_number(object, "irradiance_probes", info->irradiance_probe_count);
-  add_number(object, "buried", info->buried_count);
-  add_number(object, "irradiance_buried", info->irradiance_buried_count);
-  add_number(object, "radiance_size", info->radiance_size);
-  add_number(object, "irradiance_size", info->irradiance_size);
-  cJSON_AddBoolToObject(object, "compressed", info->compressed);
-  cJSON_AddBoolToObject(object, "geometry_blocks", info->geometry_blocks);
-  add_number(object, "volume_probes", info->volume_probe_count);
-  if (info->irradiance_probe_count) add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance_form));
-  if (info->classic_size) {
+  add_number(object, "probes", info->probes.count);
+  cJSON_AddBoolToObject(object, "probe_light", info->irradiance.probe_count > 0);
+  add_number(object, "irradiance_probes", info->irradiance.probe_count);
+  add_number(object, "buried", info->probes.buried);
+  add_number(object, "irradiance_buried", info->irradiance.buried);
+  add_number(object, "radiance_size", info->maps.size);
+  add_number(object, "irradiance_size", info->irradiance.size);
+  cJSON_AddBoolToObject(object, "compressed", info->maps.compressed);
+  cJSON_AddBoolToObject(object, "geometry_blocks", info->maps.geometry_blocks);
+  add_number(object, "volume_probes", info->volume.probe_count);
+  if (info->irradiance.probe_count) add_text(object, "irradiance", olx_irradiance_form_name(info->irradiance.form));
+  if (info->classic.size) {
     cJSON *classic = cJSON_AddObjectToObject(object, "classic");
-    add_number(classic, "size", info->classic_size);
-    add_number(classic, "cube_size", info->classic_cube_size);
-    add_float(classic, "sharpness", info->classic_sharpness);
+    add_number(classic, "size", info->classic.size);
+    add_number(classic, "cube_size", info->classic.cube_size);
+    add_float(classic, "sharpness", info->classic.sharpness);
   }
-  if (info->relight_surfels) {
+  if (info->relight.surfels) {
     cJSON *relight = cJSON_AddObjectToObject(object, "relight");
-    add_number(relight, "surfels", info->relight_surfels);
-    add_number(relight, "links", info->relight_links);
+    add_number(relight, "surfels", info->relight.surfels);
+    add_number(relight, "links", info->relight.links);
   }
   add_text(object, "select", select_names(info->select_mask).text);
-  add_number(object, "file_bytes", (double)info->file_bytes);
+  add_number(object, "file_bytes", (double)info->bytes.file);
   block blocks[BLOCK_COUNT];
   list_blocks(info, blocks);
   cJSON *bytes = cJSON_AddObjectToObject(object, "bytes");
   for (int i = 0; i < BLOCK_COUNT; ++i) add_number(bytes, blocks[i].name, (double)blocks[i].bytes);
   cJSON_AddItemToObject(object, "origin", cJSON_CreateDoubleArray(d->origin, 3));
-  if (info->has_grid) add_grid(object, "grid", &info->grid);
-  if (info->irradiance_probe_count) add_grid(object, "irradiance_grid", &info->irradiance_grid);
-  add_number(object, "lights", info->light_count);
-  add_number(object, "bounces", info->bounces);
-  add_float(object, "last_bounce", info->last_bounce);
-  add_number(object, "samples", info->samples);
-  add_float(object, "distance_scale_metres", info->distance_scale_metres);
-  add_vec3(object, "scene_min", info->scene_min);
-  add_vec3(object, "scene_max", info->scene_max);
-  add_hash(object, "scene_hash", info->scene_hash);
+  if (info->probes.has_grid) add_grid(object, "grid", &info->probes.grid);
+  if (info->irradiance.probe_count) add_grid(object, "irradiance_grid", &info->irradiance.grid);
+  add_number(object, "lights", info->scene.light_count);
+  add_number(object, "bounces", info->bounces.count);
+  add_float(object, "last_bounce", info->bounces.last);
+  add_number(object, "samples", info->maps.samples);
+  add_float(object, "distance_scale_metres", info->maps.distance_scale_metres);
+  add_vec3(object, "scene_min", info->scene.bounds_min);
+  add_vec3(object, "scene_max", info->scene.bounds_max);
+  add_hash(object, "scene_hash", info->scene.hash);
   return print_json("info", object);
 }
 
@@ -111,46 +111,46 @@ static void print_grid(const char *label, const olx_grid *grid) {
 static void print_info(const char *path, const description *d) {
   const olx_field_info *info = &d->info;
   const double *origin = d->origin;
-  printf("%s: %s\n", path, text_of_bytes(info->file_bytes).text);
+  printf("%s: %s\n", path, text_of_bytes(info->bytes.file).text);
   printf("  format version     %u%s\n", d->version,
          d->version == CURRENT_VERSION ? "" : ", of another version of this program: bake the scene again to use it");
-  printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probe_count, info->buried_count,
-         info->radiance_size, info->radiance_size);
-  if (info->irradiance_probe_count) {
-    printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance_probe_count,
-           info->irradiance_buried_count, info->irradiance_size, info->irradiance_size);
+  printf("  light field probes %u, %u of them inside geometry, %ux%u texels\n", info->probes.count, info->probes.buried,
+         info->maps.size, info->maps.size);
+  if (info->irradiance.probe_count) {
+    printf("  irradiance probes  %u, %u of them inside geometry, %ux%u texels\n", info->irradiance.probe_count,
+           info->irradiance.buried, info->irradiance.size, info->irradiance.size);
   } else {
     printf("  probe light        none: no --hits stored and no --diffuse irradiance (bake --probe-light stores it)\n");
   }
-  if (info->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL) {
-    printf("  irradiance as      %s, maps of moments alone\n", olx_irradiance_form_name(info->irradiance_form));
+  if (info->irradiance.form != OLX_IRRADIANCE_OCTAHEDRAL) {
+    printf("  irradiance as      %s, maps of moments alone\n", olx_irradiance_form_name(info->irradiance.form));
   }
-  if (info->volume_probe_count) printf("  irradiance volume  %u probes\n", info->volume_probe_count);
-  if (info->classic_size) {
+  if (info->volume.probe_count) printf("  irradiance volume  %u probes\n", info->volume.probe_count);
+  if (info->classic.size) {
     printf("  classic maps       at irradiance probes, %ux%u texels from cube maps of %u, sharpness %g\n",
-           info->classic_size, info->classic_size, info->classic_cube_size, (double)info->classic_sharpness);
+           info->classic.size, info->classic.size, info->classic.cube_size, (double)info->classic.sharpness);
   }
-  if (info->relight_surfels) {
-    printf("  relighting         %u surfels, %u links\n", info->relight_surfels, info->relight_links);
+  if (info->relight.surfels) {
+    printf("  relighting         %u surfels, %u links\n", info->relight.surfels, info->relight.links);
   }
   if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0) {
     printf("  relative to        (%.10g, %.10g, %.10g) m, as are all positions below\n", origin[0], origin[1],
            origin[2]);
   }
-  if (info->has_grid) print_grid("grid", &info->grid);
-  if (info->irradiance_probe_count) print_grid("irradiance grid", &info->irradiance_grid);
+  if (info->probes.has_grid) print_grid("grid", &info->probes.grid);
+  if (info->irradiance.probe_count) print_grid("irradiance grid", &info->irradiance.grid);
   printf("  selector           %s\n", select_names(info->select_mask).text);
-  printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces, info->samples,
-         info->samples);
+  printf("  light              direct and %u further bounces, %ux%u samples a texel\n", info->bounces.count,
+         info->maps.samples, info->maps.samples);
   if (d->version == CURRENT_VERSION) {
-    printf("  lights             %u without area\n", info->light_count);
-    printf("  geometry           %s\n", info->geometry_blocks ? "in blocks of 4x4 texels" : "as texels");
-    printf("  light, material    %s\n", info->compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
+    printf("  lights             %u without area\n", info->scene.light_count);
+    printf("  geometry           %s\n", info->maps.geometry_blocks ? "in blocks of 4x4 texels" : "as texels");
+    printf("  light, material    %s\n", info->maps.compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
   }
-  printf("  scene              %016" PRIx64 "\n", info->scene_hash);
+  printf("  scene              %016" PRIx64 "\n", info->scene.hash);
   if (d->version != CURRENT_VERSION) return; // chunks of other versions are not read
   block blocks[BLOCK_COUNT];
-  const double texels = (double)info->probe_count * info->radiance_size * info->radiance_size;
+  const double texels = (double)info->probes.count * info->maps.size * info->maps.size;
   list_blocks(info, blocks);
   printf("\n  its bytes, and bytes a texel\n");
   for (int i = 0; i < BLOCK_COUNT; ++i) {
@@ -158,7 +158,7 @@ static void print_info(const char *path, const description *d) {
     printf("  %-18s %10s  %5.2f\n", blocks[i].name, text_of_bytes(blocks[i].bytes).text,
            (double)blocks[i].bytes / texels);
   }
-  printf("  %-18s %10s  %5.2f\n", "all", text_of_bytes(info->file_bytes).text, (double)info->file_bytes / texels);
+  printf("  %-18s %10s  %5.2f\n", "all", text_of_bytes(info->bytes.file).text, (double)info->bytes.file / texels);
 }
 
 static int print_packed_json(const olx_packed_info *info) {
@@ -240,7 +240,7 @@ static olx_result verify(const char *path, uint64_t *bytes) {
   olx_field *field = NULL;
   olx_result result = olx_field_open(path, &field);
   if (result != OLX_OK) return result;
-  *bytes = olx_field_describe(field).file_bytes;
+  *bytes = olx_field_describe(field).bytes.file;
   result = olx_field_verify(field);
   olx_field_close(field);
   return result;

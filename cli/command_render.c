@@ -66,7 +66,7 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   if (o->spp) settings.spp = o->spp;
   if (o->bounces != NOT_GIVEN) settings.bounces = o->bounces;
   // An image from the field has the field's bounces plus the one at the visible surface.
-  else if (o->method == OLX_METHOD_PATH && field) settings.bounces = olx_field_describe(field).bounces + 1;
+  else if (o->method == OLX_METHOD_PATH && field) settings.bounces = olx_field_describe(field).bounces.count + 1;
   if (o->diffuse != NOT_GIVEN) settings.diffuse = (olx_diffuse)o->diffuse;
   if (o->diffuse_samples) settings.diffuse_samples = o->diffuse_samples;
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;

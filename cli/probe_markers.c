@@ -29,11 +29,11 @@ static view view_of(const olx_camera *camera, const olx_image *image) {
 
 // Radius of markers: small relative to the distance between probes and to the scene.
 static float marker_radius(const olx_field_info *info) {
-  const olx_vec3 diagonal = subtract(info->scene_max, info->scene_min);
+  const olx_vec3 diagonal = subtract(info->scene.bounds_max, info->scene.bounds_min);
   float radius = 0.015f * sqrtf(dot(diagonal, diagonal));
-  const float spacing[3] = {info->grid.spacing.x, info->grid.spacing.y, info->grid.spacing.z};
+  const float spacing[3] = {info->probes.grid.spacing.x, info->probes.grid.spacing.y, info->probes.grid.spacing.z};
   for (int axis = 0; axis < 3; ++axis) {
-    if (info->has_grid && spacing[axis] > 0.0f) radius = fminf(radius, 0.12f * spacing[axis]);
+    if (info->probes.has_grid && spacing[axis] > 0.0f) radius = fminf(radius, 0.12f * spacing[axis]);
   }
   return radius;
 }
@@ -66,7 +66,7 @@ void draw_probe_markers(const olx_field *field, const olx_camera *camera, olx_im
   const view v = view_of(camera, image);
   const float radius = marker_radius(&info);
   const olx_vec3 blue = {0.05f, 0.35f, 0.95f}, red = {0.95f, 0.08f, 0.03f};
-  for (uint32_t probe = 0; probe < info.probe_count; ++probe) {
+  for (uint32_t probe = 0; probe < info.probes.count; ++probe) {
     const olx_vec3 color = olx_field_probe_buried(field, probe) ? red : blue;
     draw_marker(&v, olx_field_probe_position(field, probe), radius, color, image);
   }

@@ -349,7 +349,7 @@ static olx_vulkan_settings pass_settings(const vulkan_request *r) {
   settings.seed = r->settings->seed;
   settings.dim_lobe = r->settings->dim_lobe;
   settings.irradiance_probes =
-      r->settings->diffuse != OLX_DIFFUSE_SURFACE && olx_field_describe(r->field).irradiance_probe_count > 0;
+      r->settings->diffuse != OLX_DIFFUSE_SURFACE && olx_field_describe(r->field).irradiance.probe_count > 0;
   settings.denoise.filters = r->settings->denoise;
   if (r->denoised) {
     const bool traced = r->settings->diffuse == OLX_DIFFUSE_TRACED;

@@ -18,7 +18,7 @@ int main(int argc, char **argv) {
   const olx_vec3 light = hit.status == OLX_TRACE_HIT
                              ? olx_surface_irradiance(field, &settings, hit.position, up, up, up)
                              : olx_volume_irradiance(field, from, up);
-  printf("%u probes; %s after %.2f m; irradiance %.3f %.3f %.3f W/m^2\n", info.probe_count,
+  printf("%u probes; %s after %.2f m; irradiance %.3f %.3f %.3f W/m^2\n", info.probes.count,
          hit.status == OLX_TRACE_HIT ? "floor" : "nothing", (double)hit.distance_metres, (double)light.x,
          (double)light.y, (double)light.z);
   olx_field_close(field);

@@ -171,17 +171,17 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   const uint32_t count = grid->count[0] * grid->count[1] * grid->count[2];
   olx_field *f = zeroed(1, sizeof *f);
   const float scale = olx_length(olx_sub(scene->room.max, scene->room.min));
-  f->info = (olx_field_info){.probe_count = count,
-                             .irradiance_probe_count = count,
-                             .has_grid = true,
-                             .grid = *grid,
-                             .irradiance_grid = *grid,
-                             .radiance_size = n,
-                             .irradiance_size = irradiance_n,
+  f->info = (olx_field_info){.probes.count = count,
+                             .irradiance.probe_count = count,
+                             .probes.has_grid = true,
+                             .probes.grid = *grid,
+                             .irradiance.grid = *grid,
+                             .maps.size = n,
+                             .irradiance.size = irradiance_n,
                              .select_mask = 1u << OLX_SELECT_CAGE,
-                             .distance_scale_metres = scale,
-                             .scene_min = scene->room.min,
-                             .scene_max = scene->room.max};
+                             .maps.distance_scale_metres = scale,
+                             .scene.bounds_min = scene->room.min,
+                             .scene.bounds_max = scene->room.max};
   f->n = n;
   f->stride = n + 2;
   f->texels = (size_t)f->stride * f->stride;
@@ -227,13 +227,13 @@ static void copy_inside(const olx_field *f, const void *map, uint32_t probe, siz
 }
 
 void analytic_field_compress(olx_field *f) {
-  const size_t texels = (size_t)f->n * f->n, blocks = texels / 16, count = blocks * f->info.probe_count;
+  const size_t texels = (size_t)f->n * f->n, blocks = texels / 16, count = blocks * f->info.probes.count;
   const olx_field_surfaces plain = f->surfaces;
   uint32_t *base = zeroed(texels, 4), *direct = zeroed(texels, 4), *indirect = zeroed(texels, 4);
   uint16_t *specular = zeroed(texels, 2), *distance = zeroed(texels, 2);
   const olx_surface_blocks all = {zeroed(count, 8), zeroed(count, 16), zeroed(count, 16), zeroed(count, 16)};
   const olx_surface_texels inside = {base, specular, direct, indirect, distance};
-  for (uint32_t probe = 0; probe < f->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < f->info.probes.count; probe++) {
     copy_inside(f, plain.base, probe, 4, base);
     copy_inside(f, plain.specular, probe, 2, specular);
     copy_inside(f, plain.direct, probe, 4, direct);
@@ -243,7 +243,7 @@ void analytic_field_compress(olx_field *f) {
     const olx_surface_blocks own = {all.base + first, all.specular + first, all.direct + first, all.indirect + first};
     if (olx_surface_encode(&inside, f->n, 1, &own) != OLX_OK) abort();
   }
-  f->info.compressed = true;
+  f->info.maps.compressed = true;
   f->surfaces.base_blocks = all.base;
   f->surfaces.specular_blocks = all.specular;
   f->surfaces.direct_blocks = all.direct;
@@ -262,7 +262,7 @@ static olx_geometry_texel look_at(const void *field, uint32_t x, uint32_t y) {
 }
 
 void analytic_field_block_geometry(olx_field *f) {
-  const uint32_t count = f->info.probe_count, side = f->n / OLX_BLOCK_SIDE, blocks = side * side;
+  const uint32_t count = f->info.probes.count, side = f->n / OLX_BLOCK_SIDE, blocks = side * side;
   olx_geometry_block *geometry = zeroed((size_t)count * blocks, sizeof *geometry);
   olx_plane_code *planes = zeroed((size_t)count * blocks * OLX_BLOCK_TEXELS, sizeof *planes);
   uint16_t *least = zeroed(blocks, 2), *greatest = zeroed(blocks, 2);
@@ -291,7 +291,7 @@ void analytic_field_block_geometry(olx_field *f) {
   free((void *)(uintptr_t)f->distance);
   free((void *)(uintptr_t)f->normal);
   f->distance = f->normal = NULL;
-  f->info.geometry_blocks = true;
+  f->info.maps.geometry_blocks = true;
   f->geometry = geometry;
   f->planes = (olx_plane_pool){planes, used};
 }
@@ -316,7 +316,7 @@ static uint32_t *random_colors(size_t count, uint32_t seed) {
 }
 
 void analytic_field_add_classic(olx_field *field, uint32_t size) {
-  const uint32_t probes = field->info.irradiance_probe_count;
+  const uint32_t probes = field->info.irradiance.probe_count;
   olx_classic_maps *maps = &field->classic;
   *maps = (olx_classic_maps){.size = size,
                              .irradiance_texels = (size_t)(size + 2) * (size + 2),
@@ -337,7 +337,7 @@ void analytic_field_add_classic(olx_field *field, uint32_t size) {
     boxes[i] = (olx_classic_box){olx_sub(p, some), olx_add(p, olx_scale(some, 2.0f))};
   }
   maps->boxes = boxes;
-  field->info.classic_size = size;
+  field->info.classic.size = size;
 }
 
 void analytic_field_remove_classic(olx_field *field) {

@@ -57,8 +57,8 @@ static void each_bounce_of_a_furnace_adds_half_of_the_one_before(void **state) {
       olx_field *field = baked_field(scene, &settings, &stats);
       const double expected = (double)OLX_PI * (1.0 - 1.0 / (double)(2u << bounces));
       double mean = 0.0;
-      for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) mean += mean_irradiance(field, i);
-      mean /= field->info.irradiance_probe_count;
+      for (uint32_t i = 0; i < field->info.irradiance.probe_count; i++) mean += mean_irradiance(field, i);
+      mean /= field->info.irradiance.probe_count;
       if (fabs(mean - expected) > 0.01 * expected) {
         fail_msg("%s, %u bounces: %f, not %f", names[way], bounces, mean, expected);
       }
@@ -79,7 +79,7 @@ static void no_bounce_goes_through_a_wall(void **state) {
     settings.fit = false;
     olx_field *field = baked_field(scene, &settings, NULL);
     double lit = 0.0, dark = 0.0;
-    for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
+    for (uint32_t i = 0; i < field->info.irradiance.probe_count; i++) {
       *(field->irradiance_positions[i].x < 0.0f ? &lit : &dark) += mean_irradiance(field, i);
     }
     print_message("%s: dark room over lit room %.2e\n", names[way], dark / lit);
@@ -151,7 +151,7 @@ static void both_ways_fill_probes_as_paths_do(void **state) {
       settings.fit = false;
       olx_field *field = baked_field(scene, &settings, NULL);
       double held = 0.0;
-      for (uint32_t k = 0; k < field->info.irradiance_probe_count * NORMALS; k++) {
+      for (uint32_t k = 0; k < field->info.irradiance.probe_count * NORMALS; k++) {
         const uint32_t probe = k / NORMALS, n = field->irradiance_n;
         if (field->irradiance_flags[probe] & OLX_PROBE_BURIED) continue;
         const olx_vec3 normal = olx_sample_sphere(olx_hammersley(k % NORMALS, NORMALS));

@@ -92,7 +92,7 @@ static double light_around(const olx_scene *scene, const olx_field *field, const
     const olx_vec3 p = {x + r * cosf(angle), 0.0f, z + r * sinf(angle)};
     const olx_vec3 above = olx_madd(p, up, 1e-4f);
     sum += (double)olx_luminance(olx_irradiance(field, settings, above, up, up));
-    truth += (double)olx_luminance(olx_path_irradiance(scene, p, up, 1e-4f, field->info.bounces + 1, 512, i));
+    truth += (double)olx_luminance(olx_path_irradiance(scene, p, up, 1e-4f, field->info.bounces.count + 1, 512, i));
   }
   return sum / truth;
 }
@@ -104,7 +104,7 @@ static void no_darkness_pools_around_pillars_over_probes(void **state) {
   olx_scene *scene = load("builtin:pillars");
   for (int fit = 0; fit < 2; fit++) {
     olx_field *field = bake(scene, (baking){.size = 64, .bounces = 2, .same_grid = true, .fit = fit});
-    assert_int_equal(olx_field_describe(field).irradiance_buried_count, 3);
+    assert_int_equal(olx_field_describe(field).irradiance.buried, 3);
     olx_sample_settings settings = olx_sample_settings_default(), published = settings, excluded = settings;
     excluded.visibility = OLX_VISIBILITY_NONE;
     published.visibility = OLX_VISIBILITY_NONE;

@@ -23,12 +23,12 @@ static void fail(const char *problem) {
 static olx_vec3 draw_point(dice *d, const olx_field *field) {
   const olx_field_info info = olx_field_describe(field);
   switch (draw_below(d, 6)) {
-  case 0: return olx_field_probe_position(field, draw_below(d, info.probe_count));
+  case 0: return olx_field_probe_position(field, draw_below(d, info.probes.count));
   case 1: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
-  case 2: return info.scene_min;
+  case 2: return info.scene.bounds_min;
   default: {
-    const olx_vec3 size = olx_sub(info.scene_max, info.scene_min);
-    return olx_add(info.scene_min, olx_mul(size, olx_v3(draw_unit(d), draw_unit(d), draw_unit(d))));
+    const olx_vec3 size = olx_sub(info.scene.bounds_max, info.scene.bounds_min);
+    return olx_add(info.scene.bounds_min, olx_mul(size, olx_v3(draw_unit(d), draw_unit(d), draw_unit(d))));
   }
   }
 }
@@ -61,10 +61,10 @@ static olx_sample_settings draw_settings(dice *d) {
 static void check_hit(const olx_field *field, const olx_trace_hit *hit) {
   const olx_field_info info = olx_field_describe(field);
   if ((uint32_t)hit->status > OLX_TRACE_UNKNOWN) fail("a ray without a status");
-  if (hit->probe != UINT32_MAX && hit->probe >= info.probe_count) fail("a ray answered by no probe");
-  if (hit->probes_tried > info.probe_count) fail("a ray asked a probe twice");
+  if (hit->probe != UINT32_MAX && hit->probe >= info.probes.count) fail("a ray answered by no probe");
+  if (hit->probes_tried > info.probes.count) fail("a ray asked a probe twice");
   // A ray has four pieces, each crosses a quadrant in steps along two axes, and as many blocks at most.
-  if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.radiance_size) fail("a ray took too many steps");
+  if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.maps.size) fail("a ray took too many steps");
 }
 
 // A texel of every map that the field has, and the boxes of its model.
@@ -88,7 +88,7 @@ static void use(dice *d, const olx_field *field, field_counts *c) {
     const olx_vec3 origin = draw_point(d, field), direction = draw_direction(d);
     const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
     check_hit(field, &hit);
-    const uint32_t probe = draw_below(d, field->info.probe_count), texel = draw_below(d, (uint32_t)field->texels);
+    const uint32_t probe = draw_below(d, field->info.probes.count), texel = draw_below(d, (uint32_t)field->texels);
     const olx_texel_light seen = olx_texel_shade(field, probe, texel, origin, direction);
     const bool known =
         olx_finite(origin) && olx_finite(direction) && fabsf(olx_dot(direction, direction) - 1.0f) < 0.01f;
@@ -187,8 +187,8 @@ void hostile_field_use(dice *d, const void *bytes, size_t size_bytes, field_coun
   result = olx_field_verify(field);
   if (result == OLX_OK) c->verified++;
   else refused(result, c);
-  for (uint32_t i = 0; i < olx_field_describe(field).probe_count; i++) (void)olx_field_probe_buried(field, i);
+  for (uint32_t i = 0; i < olx_field_describe(field).probes.count; i++) (void)olx_field_probe_buried(field, i);
   use(d, field, c);
-  if (olx_field_describe(field).relight_bytes) relight(d, field, c);
+  if (olx_field_describe(field).bytes.relight) relight(d, field, c);
   olx_field_close(field);
 }

@@ -106,7 +106,7 @@ static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
     *word++ = olx_hash2(i, 1) % LISTS | (olx_hash2(i, 2) % LISTS) << 16;
   }
   for (uint32_t i = 0; i < LISTS; i++) { // a rotation of the probes, some of them
-    const uint32_t count = field->info.probe_count < 8 ? field->info.probe_count : 8,
+    const uint32_t count = field->info.probes.count < 8 ? field->info.probes.count : 8,
                    length = olx_hash2(i, 3) % (count + 1);
     for (uint32_t k = 0; k < 4; k++, word++) {
       const uint32_t low = 2 * k < length ? (2 * k + i) % count : OLX_BRICK_NO_PROBE,
@@ -117,7 +117,7 @@ static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
   field->select_data[OLX_SELECT_BRICKS] = words;
   field->select_bytes[OLX_SELECT_BRICKS] = BRICK_WORDS * sizeof words[0];
   field->info.select_mask |= 1u << OLX_SELECT_BRICKS;
-  if (olx_bricks_open(words, BRICK_WORDS * sizeof words[0], field->info.probe_count, "bricks", &field->bricks) !=
+  if (olx_bricks_open(words, BRICK_WORDS * sizeof words[0], field->info.probes.count, "bricks", &field->bricks) !=
       OLX_OK) {
     fail_msg("%s", olx_last_error());
   }
@@ -127,7 +127,7 @@ static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
 static void *add_voronoi(olx_field *field) {
   const olx_selector_input input = {.positions = field->probe_positions,
                                     .flags = field->probe_flags,
-                                    .count = field->info.probe_count,
+                                    .count = field->info.probes.count,
                                     .radiance_size = field->n,
                                     .distance_scale = field->distance_scale,
                                     .threads = 1};
@@ -143,7 +143,7 @@ static void *add_voronoi(olx_field *field) {
 static void vary_irradiance(olx_field *field) {
   uint32_t *codes = (uint32_t *)(uintptr_t)field->irradiance;
   const int32_t n = (int32_t)field->irradiance_n;
-  for (uint32_t probe = 0; probe < field->info.irradiance_probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.irradiance.probe_count; probe++) {
     for (int32_t y = -1; y <= n; y++) {
       for (int32_t x = -1; x <= n; x++) {
         int32_t sx, sy;
@@ -175,7 +175,7 @@ static void vary_surfaces(olx_field *field, uint32_t lights) {
   olx_field_surfaces *s = &field->surfaces;
   uint32_t *base = (uint32_t *)(uintptr_t)s->base, *direct = (uint32_t *)(uintptr_t)s->direct;
   uint16_t *specular = (uint16_t *)(uintptr_t)s->specular;
-  for (size_t i = 0; i < field->texels * field->info.probe_count; i++) {
+  for (size_t i = 0; i < field->texels * field->info.probes.count; i++) {
     const uint32_t x = (uint32_t)(i % field->stride) / 3, y = (uint32_t)(i / field->stride) / 3;
     const uint32_t a = olx_hash2(x, y), b = olx_hash(a), c = olx_hash(b);
     const float metal = a & 1u ? 0.0f : olx_unit_float(a), weight = a & 6u ? olx_unit_float(b) : 0.0f;
@@ -190,12 +190,12 @@ static void vary_surfaces(olx_field *field, uint32_t lights) {
   for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS * s->tile_count; i++) {
     ((uint32_t *)(uintptr_t)s->tiles)[i] = olx_hash2(i, 17) & 0x87FFFFFFu; // up to 511 / 256
   }
-  for (uint32_t i = 0; i < s->tile_side * s->tile_side * field->info.probe_count; i++) {
+  for (uint32_t i = 0; i < s->tile_side * s->tile_side * field->info.probes.count; i++) {
     ((uint32_t *)(uintptr_t)s->emission)[i] = olx_hash2(i, 19) % (s->tile_count + 2); // one is not there
   }
   s->lights = LIGHTS;
   s->light_count = lights;
-  field->info.last_bounce = 0.25f;
+  field->info.bounces.last = 0.25f;
 }
 
 // A volume over the room and beyond, with cells, blocks, splits, and places that it knows nothing of.
@@ -247,7 +247,7 @@ static void add_volume(olx_field *field, parity_volume *v) {
 // own.
 static void compress_surfaces(olx_field *field) {
   analytic_field_compress(field);
-  const size_t count = (size_t)field->n * field->n / 16 * field->info.probe_count;
+  const size_t count = (size_t)field->n * field->n / 16 * field->info.probes.count;
   olx_bc1_block *base = (olx_bc1_block *)(uintptr_t)field->surfaces.base_blocks;
   olx_bc5_block *specular = (olx_bc5_block *)(uintptr_t)field->surfaces.specular_blocks;
   for (size_t i = 0; i < count; i++) {
@@ -262,9 +262,9 @@ static void compress_surfaces(olx_field *field) {
 
 // Light as a device has it that cannot read blocks.
 static void decode_light(olx_field *field) {
-  const size_t texels = field->texels * field->info.probe_count;
+  const size_t texels = field->texels * field->info.probes.count;
   uint32_t *direct = calloc(texels, 4), *indirect = calloc(texels, 4);
-  for (uint32_t row = 0; row < field->stride * field->info.probe_count; row++) {
+  for (uint32_t row = 0; row < field->stride * field->info.probes.count; row++) {
     const uint32_t probe = row / field->stride;
     olx_surface_row(field, OLX_SURFACE_DIRECT, probe, row % field->stride, direct + (size_t)field->stride * row);
     olx_surface_row(field, OLX_SURFACE_INDIRECT, probe, row % field->stride, indirect + (size_t)field->stride * row);
@@ -276,9 +276,9 @@ static void decode_light(olx_field *field) {
 static olx_field *make_field(const parity_room *p) {
   olx_field *field = analytic_field_make(&p->scene, &p->grid, p->n, p->irradiance_n);
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
-  for (size_t i = 0; i < field->texels * field->info.probe_count; i += 7) distance[i] |= 0x8000u; // emitters
+  for (size_t i = 0; i < field->texels * field->info.probes.count; i += 7) distance[i] |= 0x8000u; // emitters
   uint8_t *flags = (uint8_t *)(uintptr_t)field->probe_flags;
-  for (uint32_t i = 0; i < field->info.probe_count; i += 5) flags[i] = OLX_PROBE_BURIED;
+  for (uint32_t i = 0; i < field->info.probes.count; i += 5) flags[i] = OLX_PROBE_BURIED;
   vary_irradiance(field);
   vary_surfaces(field, p->lights);
   if (p->compressed) compress_surfaces(field);
@@ -286,7 +286,7 @@ static olx_field *make_field(const parity_room *p) {
   if (p->classic) {
     analytic_field_add_classic(field, p->classic);
     uint8_t *buried = (uint8_t *)(uintptr_t)field->irradiance_flags;
-    for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) buried[i] = i % 7 < 4 ? OLX_PROBE_BURIED : 0;
+    for (uint32_t i = 0; i < field->info.irradiance.probe_count; i++) buried[i] = i % 7 < 4 ? OLX_PROBE_BURIED : 0;
   }
   return field;
 }
@@ -412,8 +412,8 @@ static void derive(parity_state *s) {
   s->view = olx_v3(item->v[6], item->v[7], item->v[8]);
   memcpy(s->random, &item->v[9], sizeof s->random);
   memcpy(s->bits, item->u, sizeof s->bits);
-  s->probe = s->bits[0] % s->field->info.probe_count;
-  s->irradiance_probe = s->bits[0] % s->field->info.irradiance_probe_count;
+  s->probe = s->bits[0] % s->field->info.probes.count;
+  s->irradiance_probe = s->bits[0] % s->field->info.irradiance.probe_count;
   s->x = s->bits[1] % s->field->n;
   s->y = s->bits[2] % s->field->n;
   s->settings = olx_sample_settings_default();

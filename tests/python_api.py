@@ -29,7 +29,7 @@ class Packaged(unittest.TestCase):
     def rays(self, count=500):
         random = np.random.default_rng(7)
         info = self.field.info
-        origins = random.uniform(info.scene_min, info.scene_max, (count, 3)) * 0.8 + 0.05
+        origins = random.uniform(info.scene.bounds_min, info.scene.bounds_max, (count, 3)) * 0.8 + 0.05
         directions = random.normal(size=(count, 3))
         return origins, directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
@@ -43,9 +43,9 @@ class Packaged(unittest.TestCase):
 class Fields(Packaged):
     def test_a_field_says_what_it_holds(self):
         info = self.field.info
-        self.assertEqual((info.probe_count, info.radiance_size, info.bounces), (8, 32, 2))
-        self.assertEqual(info.file_bytes, os.path.getsize(self.path / "a.olx"))
-        self.assertEqual(info.file_bytes, self.stats.file_bytes)
+        self.assertEqual((info.probes.count, info.maps.size, info.bounces.count), (8, 32, 2))
+        self.assertEqual(info.bytes.file, os.path.getsize(self.path / "a.olx"))
+        self.assertEqual(info.bytes.file, self.stats.file_bytes)
         self.assertEqual(self.field.positions.shape, (8, 3))
         self.assertFalse(self.field.buried.any())
         self.assertEqual(self.field.origin, (0, 0, 0))
@@ -173,7 +173,7 @@ class Scenes(Packaged):
     def test_a_scene_says_what_it_holds(self):
         self.assertIn("builtin:cornell", octalux.builtin_scenes())
         self.assertGreater(self.scene.info.triangles, 10)
-        self.assertEqual(self.scene.info.hash, self.field.info.scene_hash)
+        self.assertEqual(self.scene.info.hash, self.field.info.scene.hash)
         self.assertEqual(len(self.scene.cameras), self.scene.info.cameras)
         self.assertEqual(self.scene.warnings, [])
         self.refused(octalux.Result.FILE, "nosuch.obj", octalux.Scene, "nosuch.obj")

@@ -37,16 +37,16 @@ static const olx_vec3 *positions_of(const olx_grid *grid, uint32_t count) {
 }
 
 static void build_selectors(olx_field_header *header, uint32_t mask) {
-  uint8_t *flags = olx_allocate(header->info.probe_count, 1);
-  for (uint32_t i = 0; i < header->info.probe_count; i++) flags[i] = synthetic_flags(i);
+  uint8_t *flags = olx_allocate(header->info.probes.count, 1);
+  for (uint32_t i = 0; i < header->info.probes.count; i++) flags[i] = synthetic_flags(i);
   olx_scene *scene = NULL;
   if (mask && olx_scene_load("builtin:cornell", &scene) != OLX_OK) abort();
   const olx_selector_input input = {.scene = scene,
                                     .positions = header->probe_positions,
                                     .flags = flags,
-                                    .count = header->info.probe_count,
-                                    .radiance_size = header->info.radiance_size,
-                                    .distance_scale = header->info.distance_scale_metres,
+                                    .count = header->info.probes.count,
+                                    .radiance_size = header->info.maps.size,
+                                    .distance_scale = header->info.maps.distance_scale_metres,
                                     .threads = 1};
   olx_selector_blobs blobs = {0};
   if (olx_selectors_build(&input, mask, &blobs) == OLX_OK) header->info.select_mask |= mask;
@@ -64,32 +64,31 @@ static void describe_classic(olx_field_header *header, uint32_t size) {
     const float scale = olx_unit_float(olx_hash(i));
     table[i] = olx_half_pack(scale) | (uint32_t)olx_half_pack(1.0f - scale) << 16;
   }
-  header->info.classic_size = size;
-  header->info.classic_cube_size = 64;
-  header->info.classic_sharpness = 512.0f;
+  header->info.classic.size = size;
+  header->info.classic.cube_size = 64;
+  header->info.classic.sharpness = 512.0f;
   header->classic_table = table;
 }
 
 olx_field_header synthetic_header(const synthetic_shape *shape) {
-  olx_field_header header = {.info = {.probe_count = probes_of(shape->grid),
-                                      .irradiance_probe_count = probes_of(shape->irradiance_grid),
-                                      .has_grid = true,
-                                      .grid = grid_of(shape->grid),
-                                      .radiance_size = shape->n,
-                                      .irradiance_size = shape->irradiance_n,
-                                      .irradiance_form = shape->irradiance_form,
-                                      .select_mask = 1u << OLX_SELECT_CAGE,
-                                      .distance_scale_metres = 12.5f,
-                                      .scene_min = {-4.0f, -1.0f, -4.5f},
-                                      .scene_max = {4.0f, 3.0f, 4.5f},
-                                      .bounces = 3,
-                                      .samples = 2,
-                                      .scene_hash = 0x0123456789ABCDEFu,
-                                      .compressed = shape->compressed,
-                                      .geometry_blocks = shape->geometry_blocks}};
-  if (header.info.irradiance_probe_count) header.info.irradiance_grid = grid_of(shape->irradiance_grid);
-  header.probe_positions = positions_of(&header.info.grid, header.info.probe_count);
-  header.irradiance_positions = positions_of(&header.info.irradiance_grid, header.info.irradiance_probe_count);
+  olx_field_header header = {
+      .info = {.probes = {.count = probes_of(shape->grid), .has_grid = true, .grid = grid_of(shape->grid)},
+               .maps = {.size = shape->n,
+                        .samples = 2,
+                        .distance_scale_metres = 12.5f,
+                        .compressed = shape->compressed,
+                        .geometry_blocks = shape->geometry_blocks},
+               .irradiance = {.probe_count = probes_of(shape->irradiance_grid),
+                              .size = shape->irradiance_n,
+                              .form = shape->irradiance_form},
+               .select_mask = 1u << OLX_SELECT_CAGE,
+               .bounces.count = 3,
+               .scene = {.bounds_min = {-4.0f, -1.0f, -4.5f},
+                         .bounds_max = {4.0f, 3.0f, 4.5f},
+                         .hash = 0x0123456789ABCDEFu}}};
+  if (header.info.irradiance.probe_count) header.info.irradiance.grid = grid_of(shape->irradiance_grid);
+  header.probe_positions = positions_of(&header.info.probes.grid, header.info.probes.count);
+  header.irradiance_positions = positions_of(&header.info.irradiance.grid, header.info.irradiance.probe_count);
   build_selectors(&header, shape->select_mask);
   if (shape->classic_size) describe_classic(&header, shape->classic_size);
   header.lights = synthetic_lights;

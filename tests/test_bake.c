@@ -418,7 +418,7 @@ static void bytes_do_not_depend_on_threads(void **state) {
     settings.threads = threads[i];
     olx_bake_stats stats;
     olx_field *field = bake_field(scene, &settings, f->file, &stats);
-    assert_true(field->info.relight_links > 0 && field->relight.header->volume_links > 0);
+    assert_true(field->info.relight.links > 0 && field->relight.header->volume_links > 0);
     olx_field_close(field);
     char *bytes = read_bytes(f->file, &size);
     assert_int_equal(stats.file_bytes, size);
@@ -450,7 +450,7 @@ static void bytes_do_not_depend_on_threads(void **state) {
 // ---- what settings change
 
 static double mean_irradiance(const olx_field *field) {
-  const size_t count = (size_t)field->info.irradiance_probe_count * (16 + 2) * (16 + 2);
+  const size_t count = (size_t)field->info.irradiance.probe_count * (16 + 2) * (16 + 2);
   double sum = 0.0;
   for (size_t i = 0; i < count; i++) sum += (double)olx_r11g11b10f_unpack(field->irradiance[i]).y;
   return sum / (double)count;
@@ -464,7 +464,7 @@ static void another_seed_draws_other_noise_alone(void **state) {
   settings.seed = 7;
   olx_field *other = bake_field(scene, &settings, f->file, NULL);
   const size_t texels = (size_t)4 * (32 + 2) * (32 + 2);
-  const size_t blocks = (size_t)first->n / 4 * first->n / 4 * first->info.probe_count;
+  const size_t blocks = (size_t)first->n / 4 * first->n / 4 * first->info.probes.count;
   assert_memory_equal(first->geometry, other->geometry, blocks * sizeof *first->geometry);
   assert_memory_not_equal(first->radiance, other->radiance, texels * sizeof *first->radiance);
   const double mean = mean_irradiance(first), again = mean_irradiance(other);
@@ -487,10 +487,10 @@ static void sizes_and_samples_combine(void **state) {
     settings.samples = cases[i][2];
     olx_field *field = bake_field(scene, &settings, f->file, NULL);
     const olx_field_info info = olx_field_describe(field);
-    assert_int_equal(info.radiance_size, cases[i][0]);
-    assert_int_equal(info.irradiance_size, cases[i][1]);
-    assert_int_equal(info.samples, cases[i][2]);
-    assert_int_equal(info.bounces, 1);
+    assert_int_equal(info.maps.size, cases[i][0]);
+    assert_int_equal(info.irradiance.size, cases[i][1]);
+    assert_int_equal(info.maps.samples, cases[i][2]);
+    assert_int_equal(info.bounces.count, 1);
     olx_field_close(field);
   }
   olx_scene_free(scene);
@@ -573,7 +573,7 @@ static void probe_light_stands_beside_the_rest(void **state) {
   char *full = read_bytes(f->file, &size);
   settings.probe_light = false;
   olx_field *field = bake_field(scene, &settings, f->file, &without);
-  assert_int_equal(field->info.irradiance_probe_count, 0);
+  assert_int_equal(field->info.irradiance.probe_count, 0);
   olx_field_close(field);
   char *plain = read_bytes(f->file, &size);
   const olx_file_header *a = (const void *)plain, *b = (const void *)full;

@@ -23,10 +23,10 @@ typedef struct points {
 static float draw(uint32_t i, uint32_t what) { return olx_unit_float(olx_hash3(i, what, 5)); }
 
 static void draw_points(const olx_field_info *info, points *p) {
-  const olx_vec3 size = olx_sub(info->scene_max, info->scene_min);
+  const olx_vec3 size = olx_sub(info->scene.bounds_max, info->scene.bounds_min);
   for (uint32_t i = 0; i < POINTS; i++) {
     const olx_vec3 place = olx_v3(draw(i, 0), i % 2 ? 0.0f : draw(i, 1), draw(i, 2));
-    p->positions[i] = olx_add(info->scene_min, olx_mul(size, place));
+    p->positions[i] = olx_add(info->scene.bounds_min, olx_mul(size, place));
     p->normals[i] = i % 2 ? olx_v3(0.0f, 1.0f, 0.0f) : olx_sample_sphere((olx_vec2){draw(i, 3), draw(i, 4)});
     p->shading[i] = olx_normalize(olx_madd(p->normals[i], olx_v3(1.0f, 0.0f, 0.0f), 0.3f * draw(i, 5)));
     p->views[i] = olx_sample_sphere((olx_vec2){draw(i, 6), draw(i, 7)});

@@ -20,16 +20,16 @@ static olx_field *bake(const olx_scene *scene, olx_grid grid) {
   olx_bake_stats stats;
   olx_field *field = baked_field(scene, &settings, &stats);
   const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.buried_count, stats.buried);
-  assert_int_equal(info.irradiance_buried_count, stats.irradiance_buried);
+  assert_int_equal(info.probes.buried, stats.buried);
+  assert_int_equal(info.irradiance.buried, stats.irradiance_buried);
   return field;
 }
 
 static void buries(const olx_scene *scene, olx_grid grid, uint32_t count) {
   olx_field *field = bake(scene, grid);
   const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.buried_count, count);
-  assert_int_equal(info.irradiance_buried_count, count);
+  assert_int_equal(info.probes.buried, count);
+  assert_int_equal(info.irradiance.buried, count);
   olx_field_close(field);
 }
 
@@ -72,7 +72,7 @@ static void probes_in_pillars_hold_no_indirect_light(void **state) {
   olx_scene *scene = load("builtin:pillars");
   assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
   olx_field *field = bake(scene, grid);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     float most = 0.0f;
     for (size_t i = 0; i < field->texels; i++) most = olx_max(most, olx_max3(olx_texel_indirect(field, probe, i)));
     assert_true((most == 0.0f) == olx_field_probe_buried(field, probe));
@@ -114,8 +114,8 @@ static void blocks_bury_in_any_room(void **state) {
     made_finish(scene);
     olx_field *field = bake(scene, eight);
     const olx_field_info info = olx_field_describe(field);
-    assert_int_equal(info.buried_count, 1);
-    assert_int_equal(info.irradiance_buried_count, 1);
+    assert_int_equal(info.probes.buried, 1);
+    assert_int_equal(info.irradiance.buried, 1);
     for (uint32_t i = 0; i < 8; i++) assert_int_equal(olx_field_probe_buried(field, i), i == 7);
     olx_field_close(field);
     olx_scene_free(scene);

@@ -311,15 +311,15 @@ static void boxes_are_the_room(void **state) {
   olx_bake_settings settings = small_bake(scene);
   settings.bounces = 0;
   olx_field *field = baked_field(scene, &settings, NULL);
-  for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
+  for (uint32_t i = 0; i < field->info.irradiance.probe_count; i++) {
     const bool left = field->irradiance_positions[i].x < 0.0f;
     const olx_classic_box box = field->classic.boxes[i];
     assert_near(box.low, olx_v3(left ? -4.1f : 0.1f, 0.0f, -2.0f), 1e-3f);
     assert_near(box.high, olx_v3(left ? -0.1f : 4.1f, 3.0f, 2.0f), 1e-3f);
   }
-  assert_int_equal(field->info.classic_size, 32);
-  assert_int_equal(field->info.classic_cube_size, 64);
-  assert_true(field->info.classic_sharpness == 512.0f);
+  assert_int_equal(field->info.classic.size, 32);
+  assert_int_equal(field->info.classic.cube_size, 64);
+  assert_true(field->info.classic.sharpness == 512.0f);
   olx_field_close(field);
   olx_scene_free(scene);
 }
@@ -362,12 +362,12 @@ static void classic_maps_are_added_to_the_same_field(void **state) {
   olx_field *with = baked_field(scene, &settings, NULL);
   settings.classic = false;
   olx_field *without = baked_field(scene, &settings, NULL);
-  assert_int_equal(without->info.classic_size, 0);
-  assert_int_equal(without->info.classic_bytes, 0);
-  const size_t probes = with->info.probe_count, others = with->info.irradiance_probe_count;
+  assert_int_equal(without->info.classic.size, 0);
+  assert_int_equal(without->info.bytes.classic, 0);
+  const size_t probes = with->info.probes.count, others = with->info.irradiance.probe_count;
   assert_memory_equal(with->radiance, without->radiance, 4 * probes * with->texels);
   assert_memory_equal(with->irradiance, without->irradiance, 4 * others * with->irradiance_texels);
-  const size_t added = with->size_bytes - without->size_bytes, maps = with->info.classic_bytes;
+  const size_t added = with->size_bytes - without->size_bytes, maps = with->info.bytes.classic;
   assert_true(added >= maps && added <= maps + 4 * (64 + 64)); // and their entries in the table, and padding
   olx_field_close(with);
   olx_field_close(without);

@@ -136,8 +136,8 @@ static void test_models_count_what_they_show(void **state) {
     olx_field *field = open_synthetic(f, shapes[i]);
     olx_gltf_counts counts;
     assert_int_equal(olx_export_gltf(field, path, &counts), OLX_OK);
-    assert_true(counts.probes == field->info.probe_count &&
-                counts.irradiance_probes == field->info.irradiance_probe_count && counts.volume_probes == 0);
+    assert_true(counts.probes == field->info.probes.count &&
+                counts.irradiance_probes == field->info.irradiance.probe_count && counts.volume_probes == 0);
     size_t size_bytes;
     unsigned char *text = synthetic_read_file(path, &size_bytes);
     assert_true(size_bytes > 1000 && text[0] == '{');

@@ -297,7 +297,7 @@ static void test_relighting_is_optional(void **state) {
   assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
   assert_int_equal(olx_field_verify(field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.relight_surfels + info.relight_links + info.relight_bytes, 0);
+  assert_int_equal(info.relight.surfels + info.relight.links + info.bytes.relight, 0);
   assert_null(field->relight.header);
   olx_field_close(field);
   olx_release(i.bytes);

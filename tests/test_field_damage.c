@@ -78,8 +78,8 @@ static void test_describes_version_1(void **state) {
   field_seal(&i);
   assert_int_equal(olx_write_file(f->path, i.bytes, i.size_bytes), OLX_OK);
   assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_OK);
-  assert_true(info.probe_count == 12 && info.radiance_size == 16 && info.scene_hash == 0x0123456789ABCDEFu);
-  assert_true(info.file_bytes == i.size_bytes && info.radiance_bytes == 0);
+  assert_true(info.probes.count == 12 && info.maps.size == 16 && info.scene.hash == 0x0123456789ABCDEFu);
+  assert_true(info.bytes.file == i.size_bytes && info.bytes.radiance == 0);
   i.info->probe_count = 0;
   assert_int_equal(olx_write_file(f->path, i.bytes, i.size_bytes), OLX_OK);
   assert_int_equal(olx_field_describe_version_1(f->path, &info), OLX_ERROR_CHECKSUM);

@@ -34,18 +34,18 @@ static void assert_map(const void *stored, const void *map, uint32_t n, size_t t
 
 static void assert_classic(const olx_field *field, const olx_field_header *header) {
   const olx_classic_maps *maps = &field->classic;
-  const uint32_t size = header->info.classic_size;
+  const uint32_t size = header->info.classic.size;
   assert_int_equal(maps->size, size);
-  assert_int_equal(field->info.classic_size, size);
+  assert_int_equal(field->info.classic.size, size);
   if (size == 0) {
-    assert_int_equal(field->info.classic_bytes, 0);
+    assert_int_equal(field->info.bytes.classic, 0);
     return;
   }
-  assert_int_equal(field->info.classic_cube_size, header->info.classic_cube_size);
-  assert_true(field->info.classic_sharpness == header->info.classic_sharpness);
+  assert_int_equal(field->info.classic.cube_size, header->info.classic.cube_size);
+  assert_true(field->info.classic.sharpness == header->info.classic.sharpness);
   assert_memory_equal(maps->table, header->classic_table, 4 * OLX_CLASSIC_TABLE_ENTRIES);
   synthetic_classic *expected = olx_allocate(1, sizeof *expected);
-  for (uint32_t i = 0; i < header->info.irradiance_probe_count; i++) {
+  for (uint32_t i = 0; i < header->info.irradiance.probe_count; i++) {
     const olx_classic_record record = synthetic_classic_maps(size, i, header->irradiance_positions[i], expected);
     assert_map(maps->irradiance + maps->irradiance_texels * i, record.irradiance, size, 4);
     for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
@@ -59,20 +59,20 @@ static void assert_classic(const olx_field *field, const olx_field_header *heade
 
 static void assert_relight(const olx_field *field, const synthetic_shape *shape) {
   const olx_relight_data *d = &field->relight;
-  assert_int_equal(field->info.relight_surfels, shape->relight_surfels);
+  assert_int_equal(field->info.relight.surfels, shape->relight_surfels);
   if (shape->relight_surfels == 0) {
     assert_null(d->header);
-    assert_int_equal(field->info.relight_bytes + field->info.relight_links, 0);
+    assert_int_equal(field->info.bytes.relight + field->info.relight.links, 0);
     return;
   }
   size_t size_bytes;
   void *written = synthetic_relight(shape, &size_bytes);
-  assert_int_equal(field->info.relight_bytes, size_bytes);
+  assert_int_equal(field->info.bytes.relight, size_bytes);
   assert_memory_equal(d->header, written, size_bytes);
   olx_release(written);
   const olx_relight_header *h = d->header;
   assert_int_equal(h->surfels, shape->relight_surfels);
-  assert_int_equal(field->info.relight_links, h->links);
+  assert_int_equal(field->info.relight.links, h->links);
   assert_int_equal(size_bytes, 64 + 108ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links +
                                    8ull * h->blocks + 4ull * (h->sites + 1) + 8ull * h->entries + 4);
   // Each array begins where the one before it ends.
@@ -100,7 +100,7 @@ static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16
   const olx_field_surfaces *s = &field->surfaces;
   const uint32_t n = field->n;
   olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
-  if (field->info.compressed) {
+  if (field->info.maps.compressed) {
     olx_surface_blocks blocks = synthetic_surface_blocks(n, distance, &maps);
     assert_blocks(field, probe, &blocks);
     olx_surface_blocks_free(&blocks);
@@ -148,7 +148,7 @@ static void assert_geometry(const olx_field *field, uint32_t probe, const synthe
 
 static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe, const uint32_t *map) {
   const olx_irradiance_form form = shape->irradiance_form;
-  assert_int_equal(field->info.irradiance_form, form);
+  assert_int_equal(field->info.irradiance.form, form);
   if (form == OLX_IRRADIANCE_OCTAHEDRAL) {
     assert_map(field->irradiance + field->irradiance_texels * probe, map, shape->irradiance_n, 4);
     return;
@@ -157,7 +157,7 @@ static void assert_irradiance(const olx_field *field, const synthetic_shape *sha
   uint16_t halves[OLX_HARMONICS_MOST_HALVES];
   synthetic_harmonics(form, probe, halves);
   assert_memory_equal(field->harmonics + (size_t)field->harmonic_halves * probe, halves, size_bytes);
-  assert_int_equal(field->info.irradiance_bytes, size_bytes * field->info.irradiance_probe_count);
+  assert_int_equal(field->info.bytes.irradiance, size_bytes * field->info.irradiance.probe_count);
   assert_null(field->irradiance);
 }
 
@@ -173,11 +173,11 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
   uint32_t *color = olx_allocate(256 * 256, 4), *moments = olx_allocate(256 * 256, 4);
   uint16_t *normal = olx_allocate(256 * 256, 2), *distance = olx_allocate(256 * 256, 2);
   synthetic_surfaces_room *room = olx_allocate(1, sizeof *room);
-  assert_int_equal(field->info.light_count, SYNTHETIC_LIGHTS);
+  assert_int_equal(field->info.scene.light_count, SYNTHETIC_LIGHTS);
   assert_memory_equal(field->surfaces.lights, synthetic_lights, sizeof synthetic_lights);
-  for (uint32_t i = 0; i < header.info.probe_count; i++) {
+  for (uint32_t i = 0; i < header.info.probes.count; i++) {
     synthetic_light_maps(n, i, color, normal, distance);
-    if (header.info.irradiance_probe_count) assert_map(field->radiance + field->texels * i, color, n, 4);
+    if (header.info.irradiance.probe_count) assert_map(field->radiance + field->texels * i, color, n, 4);
     if (field->geometry) {
       assert_geometry(field, i, &(synthetic_geometry){n, normal, distance});
     } else {
@@ -203,8 +203,8 @@ static void assert_round_trip(field_fixture *f, const synthetic_shape *shape) {
     assert_memory_equal(&position, &header.probe_positions[i], sizeof position);
     assert_int_equal(olx_field_probe_buried(field, i), synthetic_flags(i));
   }
-  assert_true((field->radiance != NULL) == (header.info.irradiance_probe_count > 0));
-  for (uint32_t i = 0; i < header.info.irradiance_probe_count; i++) {
+  assert_true((field->radiance != NULL) == (header.info.irradiance.probe_count > 0));
+  for (uint32_t i = 0; i < header.info.irradiance.probe_count; i++) {
     synthetic_irradiance_maps(m, i, color, moments);
     assert_irradiance(field, shape, i, color);
     assert_map(field->moments + field->irradiance_texels * i, moments, m, 4);
@@ -249,7 +249,7 @@ static void test_texels_of_blocks(void **state) {
     const int32_t x = i % 18 - 1, y = i / 18 - 1;
     int32_t source_x, source_y;
     olx_border_source(x, y, n, &source_x, &source_y);
-    const uint32_t probe = (uint32_t)i % field->info.probe_count,
+    const uint32_t probe = (uint32_t)i % field->info.probes.count,
                    block = 16 * probe + (uint32_t)(source_y / 4 * 4 + source_x / 4),
                    texel = (uint32_t)(source_y % 4 * 4 + source_x % 4);
     const size_t at = olx_map_index(field->stride, x, y);
@@ -283,10 +283,10 @@ static void test_opens_without_probe_light(void **state) {
   olx_field *field;
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.irradiance_probe_count + info.irradiance_buried_count + info.irradiance_size, 0);
-  assert_int_equal(info.irradiance_grid.count[0] + info.irradiance_grid.count[1] + info.irradiance_grid.count[2], 0);
-  assert_int_equal(info.radiance_bytes + info.irradiance_bytes + info.moments_bytes, 0);
-  assert_int_equal(info.normal_bytes, 12 * 18 * 18 * 2);
+  assert_int_equal(info.irradiance.probe_count + info.irradiance.buried + info.irradiance.size, 0);
+  assert_int_equal(info.irradiance.grid.count[0] + info.irradiance.grid.count[1] + info.irradiance.grid.count[2], 0);
+  assert_int_equal(info.bytes.radiance + info.bytes.irradiance + info.bytes.moments, 0);
+  assert_int_equal(info.bytes.normal, 12 * 18 * 18 * 2);
   assert_null(field->radiance);
   assert_int_equal(olx_probe_light_check(field), OLX_ERROR_ARGUMENT);
   assert_says(f->path);
@@ -369,41 +369,42 @@ static void test_describes(void **state) {
   olx_field *field;
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
-  assert_int_equal(info.probe_count, 12);
-  assert_int_equal(info.irradiance_probe_count, 6);
-  assert_int_equal(info.buried_count, 4);
-  assert_int_equal(info.irradiance_buried_count, 2);
-  assert_true(info.has_grid);
-  assert_int_equal(info.grid.count[0], 3);
-  assert_int_equal(info.grid.count[1], 2);
-  assert_int_equal(info.grid.count[2], 2);
-  assert_true(info.grid.origin.x == -1.0f && info.grid.origin.y == 0.25f && info.grid.origin.z == -0.5f);
-  assert_true(info.grid.spacing.x == 1.0f && info.grid.spacing.y == 1.0f && info.grid.spacing.z == 1.0f);
-  assert_int_equal(info.irradiance_grid.count[2], 3);
-  assert_true(info.irradiance_grid.spacing.y == 0.0f);
-  assert_int_equal(info.radiance_size, 16);
-  assert_int_equal(info.irradiance_size, 8);
+  assert_int_equal(info.probes.count, 12);
+  assert_int_equal(info.irradiance.probe_count, 6);
+  assert_int_equal(info.probes.buried, 4);
+  assert_int_equal(info.irradiance.buried, 2);
+  assert_true(info.probes.has_grid);
+  assert_int_equal(info.probes.grid.count[0], 3);
+  assert_int_equal(info.probes.grid.count[1], 2);
+  assert_int_equal(info.probes.grid.count[2], 2);
+  const olx_vec3 origin = info.probes.grid.origin, spacing = info.probes.grid.spacing;
+  assert_true(origin.x == -1.0f && origin.y == 0.25f && origin.z == -0.5f);
+  assert_true(spacing.x == 1.0f && spacing.y == 1.0f && spacing.z == 1.0f);
+  assert_int_equal(info.irradiance.grid.count[2], 3);
+  assert_true(info.irradiance.grid.spacing.y == 0.0f);
+  assert_int_equal(info.maps.size, 16);
+  assert_int_equal(info.irradiance.size, 8);
   assert_int_equal(info.select_mask, 1);
-  assert_true(info.distance_scale_metres == 12.5f);
-  assert_true(info.scene_min.z == -4.5f && info.scene_max.y == 3.0f);
-  assert_int_equal(info.bounces, 3);
-  assert_int_equal(info.samples, 2);
-  assert_true(info.scene_hash == 0x0123456789ABCDEFu);
-  assert_int_equal(info.file_bytes, size_bytes);
-  assert_int_equal(info.radiance_bytes, 12 * 18 * 18 * 4);
-  assert_int_equal(info.normal_bytes, 12 * 18 * 18 * 2);
-  assert_int_equal(info.distance_bytes, 12 * 18 * 18 * 2);
-  assert_int_equal(info.pyramid_bytes, 12 * 4 * 4 * 2 * 2);
-  assert_int_equal(info.irradiance_bytes, 6 * 10 * 10 * 4);
-  assert_int_equal(info.moments_bytes, 6 * 10 * 10 * 4);
-  assert_int_equal(info.selector_bytes, 0);
-  assert_int_equal(info.material_bytes, 12 * 18 * 18 * 6);
-  assert_int_equal(info.direct_bytes, 12 * 18 * 18 * 4);
-  assert_int_equal(info.indirect_bytes, 12 * 18 * 18 * 4);
+  assert_true(info.maps.distance_scale_metres == 12.5f);
+  assert_true(info.scene.bounds_min.z == -4.5f && info.scene.bounds_max.y == 3.0f);
+  assert_int_equal(info.bounces.count, 3);
+  assert_int_equal(info.maps.samples, 2);
+  assert_true(info.scene.hash == 0x0123456789ABCDEFu);
+  assert_int_equal(info.bytes.file, size_bytes);
+  assert_int_equal(info.bytes.radiance, 12 * 18 * 18 * 4);
+  assert_int_equal(info.bytes.normal, 12 * 18 * 18 * 2);
+  assert_int_equal(info.bytes.distance, 12 * 18 * 18 * 2);
+  assert_int_equal(info.bytes.pyramid, 12 * 4 * 4 * 2 * 2);
+  assert_int_equal(info.bytes.irradiance, 6 * 10 * 10 * 4);
+  assert_int_equal(info.bytes.moments, 6 * 10 * 10 * 4);
+  assert_int_equal(info.bytes.selectors, 0);
+  assert_int_equal(info.bytes.material, 12 * 18 * 18 * 6);
+  assert_int_equal(info.bytes.direct, 12 * 18 * 18 * 4);
+  assert_int_equal(info.bytes.indirect, 12 * 18 * 18 * 4);
   // Four tiles a probe, of which odd probes hold the lower two alone.
-  assert_int_equal(info.emission_bytes, 12 * 4 * 4 + 6 * (4 + 2) * 64 * 4);
-  assert_int_equal(info.light_count, 3);
-  assert_false(info.compressed);
+  assert_int_equal(info.bytes.emission, 12 * 4 * 4 + 6 * (4 + 2) * 64 * 4);
+  assert_int_equal(info.scene.light_count, 3);
+  assert_false(info.maps.compressed);
   olx_field_close(field);
 }
 
@@ -414,10 +415,10 @@ static void test_describes_blocks(void **state) {
   assert_int_equal(synthetic_write(f->path, &of_blocks, NULL), OLX_OK);
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
-  assert_true(info.compressed);
-  assert_int_equal(info.material_bytes, 12 * 16 * (8 + 16));
-  assert_int_equal(info.direct_bytes, 12 * 16 * 16);
-  assert_int_equal(info.indirect_bytes, 12 * 16 * 16);
+  assert_true(info.maps.compressed);
+  assert_int_equal(info.bytes.material, 12 * 16 * (8 + 16));
+  assert_int_equal(info.bytes.direct, 12 * 16 * 16);
+  assert_int_equal(info.bytes.indirect, 12 * 16 * 16);
   olx_field_close(field);
 }
 
@@ -439,8 +440,8 @@ static void test_two_fields_at_once(void **state) {
   assert_int_equal(olx_field_open_memory(bytes, size_bytes, &in_memory), OLX_OK);
   assert_int_equal(synthetic_write(f->path, &small, NULL), OLX_OK);
   assert_int_equal(olx_field_open(f->path, &mapped), OLX_OK);
-  assert_int_equal(olx_field_describe(in_memory).radiance_size, 128);
-  assert_int_equal(olx_field_describe(mapped).radiance_size, 16);
+  assert_int_equal(olx_field_describe(in_memory).maps.size, 128);
+  assert_int_equal(olx_field_describe(mapped).maps.size, 16);
   // The mapping outlives the file's name.
   assert_int_equal(synthetic_write(f->path, &least, NULL), OLX_OK);
   assert_int_equal(olx_field_verify(mapped), OLX_OK);
@@ -492,14 +493,14 @@ static void test_answers_numbers_out_of_range(void **state) {
   assert_int_equal(synthetic_write(f->path, &least, NULL), OLX_OK);
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
-  const uint32_t beyond[] = {info.probe_count, info.irradiance_probe_count, 999, UINT32_MAX};
+  const uint32_t beyond[] = {info.probes.count, info.irradiance.probe_count, 999, UINT32_MAX};
   for (uint32_t i = 0; i < sizeof beyond / sizeof *beyond; i++) {
-    if (beyond[i] >= info.probe_count) {
+    if (beyond[i] >= info.probes.count) {
       const olx_vec3 position = olx_field_probe_position(field, beyond[i]);
       assert_true(isnan(position.x) && isnan(position.y) && isnan(position.z));
       assert_true(olx_field_probe_buried(field, beyond[i]));
     }
-    if (beyond[i] < info.irradiance_probe_count) continue;
+    if (beyond[i] < info.irradiance.probe_count) continue;
     assert_true(olx_field_irradiance_probe_buried(field, beyond[i]));
     const olx_vec3 irradiance = olx_probe_irradiance(field, beyond[i], olx_v3(0.0f, 1.0f, 0.0f));
     assert_true(irradiance.x == 0.0f && irradiance.y == 0.0f && irradiance.z == 0.0f);

@@ -20,7 +20,7 @@ static double field_shaded(void) { return (double)(field_albedo * field_stored /
 static olx_field *uniform_field(uint64_t scene_hash) {
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
   uint32_t *radiance = (uint32_t *)(uintptr_t)field->radiance, *irradiance = (uint32_t *)(uintptr_t)field->irradiance;
-  const size_t probes = field->info.probe_count;
+  const size_t probes = field->info.probes.count;
   for (size_t i = 0; i < probes * field->texels; i++) radiance[i] = olx_r11g11b10f_pack(olx_splat(field_radiance));
   for (size_t i = 0; i < probes * field->irradiance_texels; i++) {
     irradiance[i] = olx_r11g11b10f_pack(olx_splat(field_irradiance));
@@ -31,16 +31,16 @@ static olx_field *uniform_field(uint64_t scene_hash) {
     stored[i] = olx_rgb9e5_pack(olx_splat(field_stored));
     base[i] = olx_material_pack(olx_splat(field_albedo), 1.0f, 0.0f, 0.0f).base;
   }
-  field->info.scene_hash = scene_hash;
+  field->info.scene.hash = scene_hash;
   return field;
 }
 
 static void mark_everything_as_emitter(olx_field *field) {
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
-  for (size_t i = 0; i < field->info.probe_count * field->texels; i++) distance[i] |= 0x8000u;
+  for (size_t i = 0; i < field->info.probes.count * field->texels; i++) distance[i] |= 0x8000u;
   uint32_t *emission = (uint32_t *)(uintptr_t)field->surfaces.emission; // the one tile of an analytic field, for all
   const size_t tiles = (size_t)field->surfaces.tile_side * field->surfaces.tile_side;
-  for (size_t i = 0; i < field->info.probe_count * tiles; i++) emission[i] = 1;
+  for (size_t i = 0; i < field->info.probes.count * tiles; i++) emission[i] = 1;
 }
 
 static olx_scene *unlit_box(const olx_material *walls) {
@@ -156,7 +156,7 @@ static void test_mirror_floor_shows_the_room_in_place(void **state) {
   tiny_quad(scene, &floor, olx_v3(0, -0.9999f, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0));
   tiny_finish(scene);
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
-  field->info.scene_hash = scene->hash;
+  field->info.scene.hash = scene->hash;
   const olx_camera camera = tiny_camera(olx_v3(0.2f, 0.3f, 0.1f), olx_v3(0.1f, -1, -0.1f), 60);
   const olx_render_settings settings = field_settings(48, 1);
   olx_image image = tiny_render(scene, field, &camera, &settings);
@@ -245,7 +245,7 @@ static void test_emitters_are_counted_once(void **state) {
     assert_true(reflected > 0.01);
     assert_close(tiny_mean(&traced, (olx_layer)layer), more * reflected, 1e-4, "emitted and reflected");
   }
-  field->info.scene_hash = without->hash;
+  field->info.scene.hash = without->hash;
   olx_image points = render_lit(without, field, &settings);
   assert_close(tiny_mean(&traced, OLX_LAYER_DIRECT), tiny_mean(&points, OLX_LAYER_DIRECT), 2e-2, "direct light");
   assert_true(tiny_mean(&traced, OLX_LAYER_DIRECT) < 0.8 * tiny_mean(&sampled, OLX_LAYER_DIRECT));
@@ -279,7 +279,7 @@ static void test_a_field_without_probe_light_gives_the_same_picture(void **state
   wanted.radiance_size = 64;
   wanted.bounces = 1;
   olx_field *plain = baked_field(scene, &wanted, NULL), *full = bake(scene, 1, true);
-  assert_int_equal(olx_field_describe(plain).irradiance_probe_count, 0);
+  assert_int_equal(olx_field_describe(plain).irradiance.probe_count, 0);
   olx_render_settings settings = field_settings(24, 4);
   const olx_camera camera = wide_camera();
   olx_image pictures[] = {tiny_render(scene, plain, &camera, &settings), tiny_render(scene, full, &camera, &settings)};
@@ -448,7 +448,7 @@ static void test_same_bytes_at_any_number_of_threads(void **state) {
   (void)state;
   olx_scene *scene = lit_box(true);
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
-  field->info.scene_hash = scene->hash;
+  field->info.scene.hash = scene->hash;
   olx_render_settings settings = field_settings(29, 3);
   settings.diffuse_samples = 4;
   settings.standard_error = true;

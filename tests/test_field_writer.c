@@ -17,12 +17,12 @@ static void test_writer_refuses_what_readers_would(void **state) {
   assert_null(writer);                                                                                                 \
   assert_says(message);                                                                                                \
   header.info = good
-  REFUSED(radiance_size = 12, "radiance size 12");
-  REFUSED(irradiance_size = 4, "irradiance size 4");
-  REFUSED(probe_count = 11, "not the number of probes");
-  REFUSED(distance_scale_metres = 0.0f, "distance scale 0");
-  REFUSED(grid.spacing.x = 2.0f, "light field probe 1 stands at");
-  REFUSED(has_grid = false, "needs light field probes on a grid");
+  REFUSED(maps.size = 12, "radiance size 12");
+  REFUSED(irradiance.size = 4, "irradiance size 4");
+  REFUSED(probes.count = 11, "not the number of probes");
+  REFUSED(maps.distance_scale_metres = 0.0f, "distance scale 0");
+  REFUSED(probes.grid.spacing.x = 2.0f, "light field probe 1 stands at");
+  REFUSED(probes.has_grid = false, "needs light field probes on a grid");
 #undef REFUSED
 #define REFUSED_LIGHT(change, message)                                                                                  \
   do {                                                                                                                 \

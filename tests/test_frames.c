@@ -27,7 +27,7 @@ static int set_up(void **state) {
       olx_scene_add_rect_light(f->scene, olx_v3(0, 0.98f, 0), olx_v3(0.5f, 0, 0), olx_v3(0, 0, 0.5f), olx_splat(8)));
   tiny_finish(f->scene);
   f->field = analytic_field_make(&room, &grid, 64, 16);
-  f->field->info.scene_hash = f->scene->hash;
+  f->field->info.scene.hash = f->scene->hash;
   f->camera = tiny_camera(olx_v3(0.5f, 0.3f, 0.6f), olx_v3(-0.4f, -0.6f, -0.5f), 70);
   f->opposite = tiny_camera(olx_v3(0.5f, 0.3f, 0.6f), olx_v3(1.4f, 1.2f, 1.7f), 40);
   *state = f;
@@ -230,10 +230,10 @@ static void test_traced_emitters_replace_their_direct_light(void **state) {
   olx_image sampled = render_frames(f, &settings, 2, NULL);
   settings.sample.emitters = true;
   uint16_t *distance = (uint16_t *)(uintptr_t)f->field->distance;
-  for (size_t i = 0; i < f->field->info.probe_count * f->field->texels; i++) distance[i] |= 0x8000u;
+  for (size_t i = 0; i < f->field->info.probes.count * f->field->texels; i++) distance[i] |= 0x8000u;
   uint32_t *emission = (uint32_t *)(uintptr_t)f->field->surfaces.emission; // the one tile of an analytic field, for all
   const size_t tiles = (size_t)f->field->surfaces.tile_side * f->field->surfaces.tile_side;
-  for (size_t i = 0; i < f->field->info.probe_count * tiles; i++) emission[i] = 1;
+  for (size_t i = 0; i < f->field->info.probes.count * tiles; i++) emission[i] = 1;
   olx_image traced = render_frames(f, &settings, 2, NULL);
   assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_DIFFUSE) > 0.1);
   assert_true(tiny_mean(&traced, OLX_LAYER_DIRECT) < 0.8 * tiny_mean(&sampled, OLX_LAYER_DIRECT));
@@ -288,7 +288,7 @@ static void test_pixels_without_surfaces_show_the_sky(void **state) {
   scene->environment.radiance = olx_splat(3);
   tiny_finish(scene);
   olx_field *field = analytic_field_make(&room, &grid, 64, 16);
-  field->info.scene_hash = scene->hash;
+  field->info.scene.hash = scene->hash;
   const olx_render_settings settings = frame_settings(true);
   const olx_camera camera = tiny_camera(olx_v3(0, 0.5f, 0.5f), olx_v3(0, 0.3f, -2), 70);
   const olx_camera cameras[2] = {camera, camera};

@@ -74,7 +74,7 @@ static void a_room_far_away_is_lit_as_at_the_origin(void **state) {
   assert_true(here->hash != there->hash);
   const olx_bake_settings settings[2] = {small_bake(here), small_bake(there)};
   olx_field *fields[2] = {baked_field(here, &settings[0], NULL), baked_field(there, &settings[1], NULL)};
-  assert_memory_equal(fields[0]->radiance, fields[1]->radiance, 4 * fields[0]->texels * fields[0]->info.probe_count);
+  assert_memory_equal(fields[0]->radiance, fields[1]->radiance, 4 * fields[0]->texels * fields[0]->info.probes.count);
   double origin[3];
   olx_field_origin(fields[1], origin);
   assert_true(origin[0] == FAR && origin[1] == -FAR && origin[2] == FAR);

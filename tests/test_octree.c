@@ -24,9 +24,9 @@ static void build(const olx_scene *scene, const olx_vec3 *positions, const uint8
                   uint32_t threads, made_field *f) {
   memset(f, 0, sizeof *f);
   if (flags) memcpy(f->flags, flags, count);
-  f->field.info.probe_count = count;
-  f->field.info.scene_min = scene->bounds_min;
-  f->field.info.scene_max = scene->bounds_max;
+  f->field.info.probes.count = count;
+  f->field.info.scene.bounds_min = scene->bounds_min;
+  f->field.info.scene.bounds_max = scene->bounds_max;
   f->field.probe_positions = positions;
   f->field.probe_flags = f->flags;
   f->field.name = (char *)(uintptr_t) "made";
@@ -93,8 +93,8 @@ static void walk(const made_field *f, uint32_t node, leaf l, visitor visit, void
 }
 
 static void walk_all(const made_field *f, visitor visit, void *user) {
-  const leaf root = {.low = f->field.info.scene_min,
-                     .side = olx_max3(olx_sub(f->field.info.scene_max, f->field.info.scene_min))};
+  const leaf root = {.low = f->field.info.scene.bounds_min,
+                     .side = olx_max3(olx_sub(f->field.info.scene.bounds_max, f->field.info.scene.bounds_min))};
   walk(f, 0, root, visit, user);
 }
 
@@ -383,9 +383,9 @@ static void test_spoilt_trees_are_refused(void **state) {
     assert_int_equal(olx_octree_check(field), OLX_ERROR_FORMAT);
   }
   *header = good;
-  field->info.probe_count = 65536;
+  field->info.probes.count = 65536;
   assert_int_equal(olx_octree_check(field), OLX_ERROR_FORMAT);
-  field->info.probe_count = 6;
+  field->info.probes.count = 6;
   header->levels = LEVELS - 1; // a tree deeper than it says
   assert_int_equal(olx_octree_verify(field), OLX_ERROR_FORMAT);
   header->levels = LEVELS;

@@ -23,7 +23,7 @@ static nearest nearest_of(const parity_state *s, uint32_t one) {
                .buried = s->settings.keep_buried,
                .probe = OLX_NO_PROBE,
                .distance = INFINITY};
-  consider(&n, one % s->field->info.probe_count);
+  consider(&n, one % s->field->info.probes.count);
   return n;
 }
 static void put_nearest(parity_result *r, const nearest *n) {
@@ -131,7 +131,7 @@ ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_d
     put_u(r, OLX_SELECT_BRICKS); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);
     put_u(r, d.hits); put_f(r, d.surface_tolerance);)
 ROW(probe_code_bytes, put_u(r, olx_probe_code_bytes(s->bits[0] % 512u));)
-ROW(probe_code, const uint32_t count = s->field->info.probe_count;
+ROW(probe_code, const uint32_t count = s->field->info.probes.count;
     put_u(r, has_voronoi(s) ? olx_probe_code(olx_voronoi_codes(s->field), olx_probe_code_bytes(count),
                                              s->bits[0] % (tree_of(s) + count)) : 0);)
 ROW(voronoi_tree, put_u(r, tree_of(s));)

@@ -29,7 +29,7 @@ static void ask_some(const parity_state *s, search *of) {
 }
 
 static bool has_bricks(const parity_state *s) { return s->field->bricks.header != NULL; }
-static uint32_t last_asked(const parity_state *s) { return s->bits[2] % s->field->info.probe_count; }
+static uint32_t last_asked(const parity_state *s) { return s->bits[2] % s->field->info.probes.count; }
 
 static uint32_t best_that_sees(const parity_state *s, const search *of) {
   return s->bits[0] & 1u || !has_bricks(s) ? nearest_that_sees(of) : next_listed(of);
@@ -80,7 +80,8 @@ SEARCH_ROW(probe_sees, put_u(r, olx_probe_sees(s->field, s->probe, s->point, s->
         s->bits[0] & 1u ? &s->direction : NULL));)
 SEARCH_ROW(ask, olx_probe_answer a = {0}; put_u(r, ask(&e->search, s->probe, &a)); put_u(r, e->search.attempts);
     put_f(r, e->search.t); put_f(r, e->search.lost); put_answer(r, &a);)
-SEARCH_ROW(first_corner, const olx_grid *grid = &s->field->info.grid; const olx_cage cage = olx_cage_at(grid, s->point);
+SEARCH_ROW(first_corner, const olx_grid *grid = &s->field->info.probes.grid;
+    const olx_cage cage = olx_cage_at(grid, s->point);
     put_u(r, first_corner(&e->search, grid, &cage));)
 SEARCH_ROW(next_corner, ask_some(s, &e->search); put_u(r, next_corner(&e->search));)
 SEARCH_ROW(next_neighbour, ask_some(s, &e->search);

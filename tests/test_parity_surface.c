@@ -141,7 +141,7 @@ static float passes_others(const parity_state *s, const surface_state *e) {
 SURFACE_ROW(texel_indirect, put_3(r, olx_texel_indirect(s->field, s->probe, texel_of(s)));)
 SURFACE_ROW(rank_weight, put_f(r, rank_weight(s->field, &s->settings, &e->p, s->probe));)
 SURFACE_ROW(has_bricks, put_u(r, s->field->bricks.header != NULL);)
-SURFACE_ROW(ranked_count, put_u(r, 8); put_u(r, s->field->info.probe_count);)
+SURFACE_ROW(ranked_count, put_u(r, 8); put_u(r, s->field->info.probes.count);)
 SURFACE_ROW(next_ranked, put_ranking(s, e, r);)
 SURFACE_ROW(view_from, put_3(r, e->view.offset); put_3(r, e->view.normal); put_f(r, e->view.angle);
     put_f(r, e->view.miss); const uint32_t side = s->constants->maps_a_side; const uint32_t map = s->probe % (side * side);

@@ -24,7 +24,7 @@ drifts() {
 }
 drifts 's/^  uint32_t max_probes;/  uint32_t most, max_probes;/' sample.h '^olx_sample_settings.max_probes: (12, 4) where C has (16, 4)'
 drifts 's/^  bool emitters; /  bool more, emitters; /' sample.h '^olx_sample_settings: members '
-drifts 's/  float spacing_unused/&/; s/uint32_t radiance_size; /uint64_t radiance_size; /' field.h '^olx_field_info.radiance_size'
+drifts 's/uint32_t cube_size; /uint64_t cube_size; /' field.h '^olx_classic_info.cube_size'
 drifts 's/OLX_TRACER_TEXEL = 0,/OLX_TRACER_NEW = 0, OLX_TRACER_TEXEL = 3,/' sample.h '^OLX_TRACER_TEXEL: (0,) where C has (3,)'
 drifts 's/^  OLX_GATHER_TRACED /  OLX_GATHER_TRACED, OLX_GATHER_MORE /' bake.h '^olx_bounce_gather: 4 enumerators'
 drifts 's/^olx_result olx_field_verify(const olx_field \*field);/olx_result olx_field_verify(const olx_field *field, bool all);/' field.h '^olx_field_verify: '
@@ -71,7 +71,7 @@ if "$python" -m venv --system-site-packages "$work/fresh" >"$work/venv.txt" 2>&1
     unset PYTHONPATH OCTALUX_LIBRARIES
     "$work/fresh/bin/python" -m pip --disable-pip-version-check install --quiet --no-index --no-deps "$wheel"
     cd "$work"
-    "$work/fresh/bin/python" -c 'import octalux; assert "/fresh/" in octalux.__file__; print("installed", octalux.__version__, octalux.open("a.olx").info.probe_count)'
+    "$work/fresh/bin/python" -c 'import octalux; assert "/fresh/" in octalux.__file__; print("installed", octalux.__version__, octalux.open("a.olx").info.probes.count)'
     "$work/fresh/bin/python" -m pip --disable-pip-version-check check | grep -v "No broken" | grep octalux && exit 1 || true
   )
 else

@@ -91,13 +91,13 @@ static void assert_furnace(const olx_field *field, olx_vec3 sent, float toleranc
   const olx_vec3 light = olx_scale(sent, OLX_PI);
   for (uint32_t i = 0; i < 3; i++) assert_color(irradiance_at(field, places[i], normals[i]), light, tolerance);
   for (uint32_t i = 0; i < 3; i++) assert_color(olx_volume_irradiance(field, olx_splat(0.1f), normals[i]), light, 2.0f * tolerance);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (size_t i = 0; i < field->texels; i++) assert_color(olx_texel_indirect(field, probe, i), light, tolerance);
   }
 }
 
 static void assert_direct(const olx_field *field, olx_vec3 irradiance) {
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (size_t i = 0; i < field->texels; i++) assert_color(olx_texel_direct(field, probe, i), irradiance, 0.01f);
   }
 }
@@ -237,11 +237,11 @@ static void test_light_close_to_a_lamp_is_coarse(void **state) {
 
 static void assert_same_light(const olx_relight *a, const olx_relight *b) {
   const olx_field *x = olx_relight_field(a), *y = olx_relight_field(b);
-  const size_t bytes = 4 * x->texels * x->info.probe_count;
+  const size_t bytes = 4 * x->texels * x->info.probes.count;
   assert_memory_equal(x->surfaces.direct, y->surfaces.direct, bytes);
   assert_memory_equal(x->surfaces.indirect, y->surfaces.indirect, bytes);
   assert_memory_equal(x->volume.irradiance, y->volume.irradiance,
-                      2 * (size_t)OLX_VOLUME_HALVES * x->info.volume_probe_count);
+                      2 * (size_t)OLX_VOLUME_HALVES * x->info.volume.probe_count);
 }
 
 static void test_same_for_any_number_of_threads(void **state) {

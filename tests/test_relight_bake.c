@@ -114,7 +114,7 @@ static void relighting_holds_the_light_of_a_closed_room(void **state) {
   olx_field *field = bake(*state, scene, 16, false);
   const olx_relight_data *d = &field->relight;
   const uint32_t surfels = d->header->surfels;
-  assert_int_equal(field->info.irradiance_probe_count, 0);
+  assert_int_equal(field->info.irradiance.probe_count, 0);
   assert_int_equal(d->header->blocks, 8 * 8 * 8);
   assert_true(surfels > 100);
   assert_surfels_on_walls(d);
@@ -154,8 +154,8 @@ static void relighting_may_have_little_to_hold(void **state) {
   olx_scene *scene = room(0.0f, olx_splat(0.1f), 1.0f);
   olx_field *field = bake(*state, scene, 2, true);
   assert_non_null(field->relight.header);
-  assert_true(field->info.relight_surfels > 0);
-  assert_int_equal(field->info.relight_links, 0);
+  assert_true(field->info.relight.surfels > 0);
+  assert_int_equal(field->info.relight.links, 0);
   assert_int_equal(field->relight.header->volume_links, 0);
   olx_field_close(field);
   olx_scene_free(scene);

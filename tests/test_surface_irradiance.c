@@ -25,7 +25,7 @@ static olx_field *field_of(const analytic_scene *scene, const olx_grid *grid, ui
   olx_field *f = analytic_field_make(scene, grid, n, 16);
   uint16_t *distance = (uint16_t *)(uintptr_t)f->distance, *normal = (uint16_t *)(uintptr_t)f->normal;
   uint32_t *indirect = (uint32_t *)(uintptr_t)f->surfaces.indirect;
-  for (uint32_t probe = 0; probe < f->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < f->info.probes.count; probe++) {
     for (int32_t i = 0; i < (int32_t)f->texels; i++) {
       const int32_t x = i % (int32_t)f->stride - 1, y = i / (int32_t)f->stride - 1;
       int32_t sx, sy;
@@ -407,7 +407,7 @@ static void points_that_no_probe_sees_get_the_volume(void **state) {
 static void fill_volume(olx_field *f, olx_vec3 below, olx_vec3 above) {
   uint32_t *irradiance = (uint32_t *)(uintptr_t)f->irradiance;
   const int32_t n = (int32_t)f->irradiance_n, stride = n + 2;
-  for (size_t i = 0; i < f->irradiance_texels * f->info.irradiance_probe_count; i++) {
+  for (size_t i = 0; i < f->irradiance_texels * f->info.irradiance.probe_count; i++) {
     const int32_t texel = (int32_t)(i % f->irradiance_texels);
     int32_t x, y;
     olx_border_source(texel % stride - 1, texel / stride - 1, n, &x, &y);
@@ -459,7 +459,7 @@ static void every_input_has_a_finite_answer(void **state) {
       }
       const olx_vec3 n = olx_load3(numbers + 3);
       olx_surface_point p = {olx_load3(numbers), n, n, olx_load3(numbers + 6), n};
-      if (i % 50 == 0) p.position = f->probe_positions[i / 50 % f->info.probe_count];
+      if (i % 50 == 0) p.position = f->probe_positions[i / 50 % f->info.probes.count];
       olx_sample_settings settings = olx_sample_settings_default();
       settings.surface_tolerance = i % 3 ? 0.0f : OLX_MOST_SURFACE_TOLERANCE;
       settings.max_probes = i % 7 ? 128 : 0;
@@ -467,7 +467,7 @@ static void every_input_has_a_finite_answer(void **state) {
       assert_answered(f, &settings, &p);
     }
     // Then every texel a random one.
-    for (size_t i = 0; i < f->texels * f->info.probe_count; i++) {
+    for (size_t i = 0; i < f->texels * f->info.probes.count; i++) {
       maps[0][i] = (uint16_t)olx_hash((uint32_t)i) & 0x7BFFu;
       maps[1][i] = (uint16_t)olx_hash((uint32_t)i + 77);
     }

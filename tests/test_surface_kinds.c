@@ -141,7 +141,7 @@ static olx_vec3 stored_light(const room_of_kinds *room, const olx_surface *s, bo
 
 static olx_vec3 true_light(const room_of_kinds *room, const olx_surface *s, uint32_t paths, uint32_t seed) {
   uint64_t rays = 0;
-  return olx_path_surface_irradiance(room->scene, s, room->field->info.bounces + 1, paths, seed, &rays);
+  return olx_path_surface_irradiance(room->scene, s, room->field->info.bounces.count + 1, paths, seed, &rays);
 }
 
 // A random point of a material, on its front or its back; false where the material is cut away.

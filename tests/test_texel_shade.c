@@ -38,7 +38,7 @@ static olx_field *room_of(float base, float roughness, float metallic, float wei
                           float indirect) {
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
   const olx_texel_material_codes codes = olx_material_pack(olx_splat(base), roughness, metallic, weight);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (size_t i = 0; i < field->texels; i++) {
       const size_t at = field->texels * probe + i;
       ((uint32_t *)(uintptr_t)field->surfaces.base)[at] = codes.base;
@@ -128,7 +128,7 @@ static void a_mirror_is_followed_by_one_further_ray(void **state) {
   (void)state;
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
   const olx_texel_material_codes mirror = olx_material_pack(olx_splat(0.8f), 0.0f, 1.0f, 1.0f);
-  for (size_t i = 0; i < field->texels * field->info.probe_count; i++) {
+  for (size_t i = 0; i < field->texels * field->info.probes.count; i++) {
     if (olx_normal_unpack(field->normal[i]).y < 0.9f) continue;
     ((uint32_t *)(uintptr_t)field->surfaces.base)[i] = mirror.base;
     ((uint16_t *)(uintptr_t)field->surfaces.specular)[i] = mirror.specular;
@@ -168,9 +168,9 @@ static void emission_is_apart_from_what_a_surface_reflects(void **state) {
   olx_field *field = room_of(0.5f, 1.0f, 0.0f, 0.0f, false, OLX_PI);
   uint16_t *distance = (uint16_t *)(uintptr_t)field->distance;
   uint32_t *emission = (uint32_t *)(uintptr_t)field->surfaces.emission;
-  for (size_t i = 0; i < field->texels * field->info.probe_count; i++) distance[i] |= 0x8000u;
+  for (size_t i = 0; i < field->texels * field->info.probes.count; i++) distance[i] |= 0x8000u;
   const size_t tiles = (size_t)field->surfaces.tile_side * field->surfaces.tile_side;
-  for (size_t i = 0; i < tiles * field->info.probe_count; i++) emission[i] = 1; // 4 W/(sr m^2)
+  for (size_t i = 0; i < tiles * field->info.probes.count; i++) emission[i] = 1; // 4 W/(sr m^2)
   olx_sample_settings settings = olx_sample_settings_default();
   for (int hits = OLX_HITS_SHADED; hits <= OLX_HITS_STORED; hits++) {
     settings.hits = (olx_hits)hits;

@@ -40,7 +40,7 @@ static bool inside_box(const analytic_scene *scene, olx_vec3 p) {
 
 // Whether a probe sees what a ray hits: the point, or the sky in the ray's direction.
 static bool seen(const analytic_scene *scene, const olx_field *field, olx_vec3 o, olx_vec3 d, analytic_hit truth) {
-  for (uint32_t i = 0; i < field->info.probe_count; i++) {
+  for (uint32_t i = 0; i < field->info.probes.count; i++) {
     const olx_vec3 probe = field->probe_positions[i];
     const olx_vec3 to = truth.t < INFINITY ? olx_sub(olx_madd(o, d, truth.t), probe) : d;
     const float t = analytic_cast(scene, probe, olx_normalize(to)).t;

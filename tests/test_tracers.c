@@ -83,7 +83,7 @@ typedef struct counts {
 static void compare(const olx_field *field, uint32_t rays, float scale, counts *c) {
   olx_probe_job *jobs = calloc(rays, sizeof *jobs);
   for (uint32_t i = 0; i < rays; i++) {
-    const uint32_t probe = i % field->info.probe_count;
+    const uint32_t probe = i % field->info.probes.count;
     const olx_probe_ray ray = random_ray(i, scale);
     jobs[i] = (olx_probe_job){probe, ray};
     const olx_probe_answer truth = olx_trace_probe(field, probe, &ray, OLX_TRACER_TEXEL);
@@ -172,7 +172,7 @@ static void among_distances_that_no_room_has(void **state) {
 
 static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t steps[3]) {
   olx_sample_settings settings = olx_sample_settings_default();
-  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  const olx_vec3 low = field->info.scene.bounds_min, size = olx_sub(field->info.scene.bounds_max, low);
   for (uint32_t i = 0; i < rays; i++) {
     const olx_vec3 o = olx_add(low, olx_mul(size, olx_v3(unit(i, 1), unit(i, 2), unit(i, 3)))), d = random_direction(i ^ 77);
     olx_trace_hit hits[3];
@@ -193,7 +193,7 @@ static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t ste
 static void assert_rays_together(const olx_field *field, uint32_t count) {
   olx_vec3 *origins = calloc(count, sizeof *origins), *directions = calloc(count, sizeof *directions);
   olx_trace_hit *hits = calloc(count, sizeof *hits);
-  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  const olx_vec3 low = field->info.scene.bounds_min, size = olx_sub(field->info.scene.bounds_max, low);
   for (uint32_t i = 0; i < count; i++) {
     origins[i] = olx_add(low, olx_mul(size, olx_v3(unit(i, 21), unit(i, 22), unit(i, 23))));
     directions[i] = i % 50 == 7 ? olx_v3(0, 0, i % 100 == 7 ? 0 : -1) : random_direction(i ^ 99);
@@ -228,10 +228,10 @@ static void assert_sight_together(const olx_field *field) {
   static uint32_t probes[PLACES];
   static olx_vec3 places[PLACES], directions[PLACES];
   static bool seen[PLACES];
-  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  const olx_vec3 low = field->info.scene.bounds_min, size = olx_sub(field->info.scene.bounds_max, low);
   uint32_t count = 0;
   for (uint32_t i = 0; i < PLACES; i++) {
-    probes[i] = i % field->info.probe_count;
+    probes[i] = i % field->info.probes.count;
     const olx_vec3 centre = field->probe_positions[probes[i]];
     directions[i] = random_direction(i);
     places[i] = olx_add(low, olx_mul(size, olx_v3(unit(i, 31), unit(i, 32), unit(i, 33))));

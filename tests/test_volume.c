@@ -263,7 +263,7 @@ static void without_a_volume_irradiance_probes_answer(void **state) {
   olx_field *field = baked_field(scene, &settings, &stats);
   assert_int_equal(stats.volume_probes, 0);
   assert_true(stats.volume_unserved == 1.0);
-  assert_int_equal(olx_field_describe(field).volume_probe_count, 0);
+  assert_int_equal(olx_field_describe(field).volume.probe_count, 0);
   const olx_sample_settings sample = olx_sample_settings_default();
   const olx_vec3 p = {0.1f, 0.9f, 0.2f}, down = {0, -1, 0};
   const olx_vec3 light = olx_volume_irradiance(field, p, down), probes = olx_irradiance(field, &sample, p, down, down);

@@ -223,7 +223,7 @@ typedef struct made_field {
 static void build(const olx_vec3 *positions, const uint8_t *flags, uint32_t count, uint32_t threads, made_field *f) {
   memset(f, 0, sizeof *f);
   if (flags) memcpy(f->flags, flags, count);
-  f->field.info.probe_count = count;
+  f->field.info.probes.count = count;
   f->field.probe_positions = positions;
   f->field.probe_flags = f->flags;
   f->field.name = (char *)(uintptr_t) "made";
@@ -445,9 +445,9 @@ static void test_spoilt_maps_are_refused(void **state) {
   header->zero[2] = 1;
   assert_int_equal(olx_voronoi_check(field), OLX_ERROR_FORMAT);
   header->zero[2] = 0;
-  field->info.probe_count = 65536;
+  field->info.probes.count = 65536;
   assert_int_equal(olx_voronoi_check(field), OLX_ERROR_FORMAT);
-  field->info.probe_count = 10;
+  field->info.probes.count = 10;
   assert_int_equal(olx_voronoi_check(field), OLX_OK);
 
   const size_t last_texel = 10 * 256 * 4 - 4;

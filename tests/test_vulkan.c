@@ -281,8 +281,8 @@ static olx_field without_probe_light(const olx_field *field) {
   plain.irradiance_positions = NULL;
   plain.irradiance_flags = NULL;
   plain.irradiance_n = 0;
-  plain.info.irradiance_probe_count = plain.info.irradiance_size = 0;
-  plain.info.irradiance_grid = (olx_grid){.count = {0, 0, 0}};
+  plain.info.irradiance.probe_count = plain.info.irradiance.size = 0;
+  plain.info.irradiance.grid = (olx_grid){.count = {0, 0, 0}};
   return plain;
 }
 

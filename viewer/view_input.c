@@ -51,7 +51,7 @@ static void choose_camera(const view_facts *facts, uint32_t index, view_state *s
 
 // The next map to show, from the one of the probe that resolves the ray through those of all probes.
 static uint32_t next_probe(const view_facts *facts, uint32_t probe, bool back) {
-  const uint32_t count = facts->field.probe_count;
+  const uint32_t count = facts->field.probes.count;
   return next_of(probe == VIEW_ANSWERING ? count : probe, count + 1, back);
 }
 
@@ -86,7 +86,7 @@ static void press(int key, bool back, const view_facts *facts, view_state *s, vi
   case 'C': choose_camera(facts, next_of(s->camera, facts->camera_count, back), s, camera); break;
   case 'N':
     s->probe = next_probe(facts, s->probe, back);
-    if (s->probe == facts->field.probe_count) s->probe = VIEW_ANSWERING;
+    if (s->probe == facts->field.probes.count) s->probe = VIEW_ANSWERING;
     break;
   case 'J': s->auto_exposure = !s->auto_exposure; break;
   case 'R': s->direct = !s->direct; break;

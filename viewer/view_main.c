@@ -61,11 +61,11 @@ static bool load_cameras(viewer *v) {
 
 // A radius of balls that leaves most of the space between probes free.
 static float fit_ball(const olx_field_info *field, float diagonal) {
-  if (!field->has_grid) return 0.012f * diagonal;
-  const float spacing[3] = {field->grid.spacing.x, field->grid.spacing.y, field->grid.spacing.z};
+  if (!field->probes.has_grid) return 0.012f * diagonal;
+  const float spacing[3] = {field->probes.grid.spacing.x, field->probes.grid.spacing.y, field->probes.grid.spacing.z};
   float least = 0.2f * diagonal;
   for (int axis = 0; axis < 3; axis++) {
-    if (field->grid.count[axis] > 1) least = fminf(least, spacing[axis]);
+    if (field->probes.grid.count[axis] > 1) least = fminf(least, spacing[axis]);
   }
   return 0.07f * least;
 }
@@ -106,7 +106,7 @@ static bool load(viewer *v) {
   olx_field_origin(v->field, origin);
   if (memcmp(origin, olx_scene_describe(v->scene).origin, sizeof origin) != 0)
     return failure("view", "%s and %s lie elsewhere: bake the field again", o->field, o->scene) == EXIT_DONE;
-  if (olx_scene_describe(v->scene).hash != v->facts.field.scene_hash && !o->relight)
+  if (olx_scene_describe(v->scene).hash != v->facts.field.scene.hash && !o->relight)
     warn("%s was baked from another scene than %s", o->field, o->scene);
   if (!load_cameras(v)) return false;
   const olx_scene_content content = olx_scene_get_content(v->scene);

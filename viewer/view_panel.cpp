@@ -94,7 +94,7 @@ void build_research(const view_facts *facts, view_state *s) {
           "Keys 1 to 4.");
   choose("tracer", VIEW_TRACER_WORDS, ~0u, &s->tracer);
   explain("How rays march through a probe's map. Key T.");
-  const uint32_t stored = facts->field.irradiance_probe_count ? 1u << OLX_HITS_STORED : 0u;
+  const uint32_t stored = facts->field.irradiance.probe_count ? 1u << OLX_HITS_STORED : 0u;
   choose("hits", VIEW_HITS_WORDS, 1u << OLX_HITS_SHADED | stored, &s->hits);
   explain("Light where a ray ends: of the surface there, or as a probe saw it.");
   const uint32_t baked =
@@ -218,7 +218,7 @@ void build_overlay(const view_facts *facts, const view_pick *pick, view_state *s
   if (s->overlay == VIEW_UNRESOLVED) ImGui::TextDisabled("magenta: no probe knows");
   if (s->overlay == VIEW_MAP) {
     int probe = s->probe == VIEW_ANSWERING ? -1 : static_cast<int>(s->probe);
-    const int last = static_cast<int>(facts->field.probe_count) - 1;
+    const int last = static_cast<int>(facts->field.probes.count) - 1;
     if (ImGui::SliderInt("map of probe", &probe, -1, last, probe < 0 ? "that answers" : "%d")) {
       s->probe = probe < 0 ? VIEW_ANSWERING : static_cast<uint32_t>(probe);
     }
@@ -293,8 +293,8 @@ void build_window(const view_facts *facts, const view_timings *timings, const vi
   ImGui::SetNextWindowPos(ImVec2(12.0f, 12.0f), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSizeConstraints(ImVec2(width, 60.0f), ImVec2(width, std::max(height - 24.0f, 61.0f)));
   ImGui::Begin("Octalux", &s->panel, ImGuiWindowFlags_AlwaysAutoResize);
-  ImGui::TextDisabled("%s\n%u probes of %u x %u\n%s\n%.3f ms on it", facts->scene_name, facts->field.probe_count,
-                      facts->field.radiance_size, facts->field.radiance_size, facts->device,
+  ImGui::TextDisabled("%s\n%u probes of %u x %u\n%s\n%.3f ms on it", facts->scene_name, facts->field.probes.count,
+                      facts->field.maps.size, facts->field.maps.size, facts->device,
                       static_cast<double>(device_milliseconds(timings)));
   ImGui::PushItemWidth(0.55f * width);
   const bool overlaid = s->overlay != VIEW_NO_OVERLAY || s->picked;

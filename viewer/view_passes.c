@@ -221,7 +221,7 @@ void view_passes_record_balls(const gpu_device *d, const view_passes *p, VkComma
   const view_gpu_push push = make_push(frame, frame->view->world_to_clip);
   bind(d, p, commands, VIEW_PIPELINE_BALLS, &push);
   const bool irradiance = frame->state->overlay == VIEW_PROBE_IRRADIANCE;
-  d->CmdDraw(commands, 4, irradiance ? frame->field->irradiance_probe_count : frame->field->probe_count, 0, 0);
+  d->CmdDraw(commands, 4, irradiance ? frame->field->irradiance.probe_count : frame->field->probes.count, 0, 0);
 }
 
 void view_passes_record_map(const gpu_device *d, const view_passes *p, VkCommandBuffer commands,

@@ -40,7 +40,7 @@ typedef enum view_overlay {
 // Whether a field has the data that an overlay shows.
 static inline bool view_has_overlay(const olx_field_info *field, uint32_t overlay) {
   const bool of_probe_light = overlay == VIEW_PROBE_IRRADIANCE || overlay == VIEW_WEIGHTS;
-  return !of_probe_light || field->irradiance_probe_count > 0;
+  return !of_probe_light || field->irradiance.probe_count > 0;
 }
 #define VIEW_OVERLAY_WORDS "none|probes|radiance|irradiance|weights|answer|unresolved|steps|map"
 

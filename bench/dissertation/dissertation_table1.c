@@ -29,17 +29,17 @@ typedef struct contender {
 
 static void list_contenders(const bench_field *made, contender list[3]) {
   const olx_field_info *info = &made->info;
-  const double kib = 1024.0 * info->irradiance_probe_count;
-  const double maps = (double)(info->irradiance_bytes + info->moments_bytes) / kib;
-  const double light = (double)(info->radiance_bytes + info->normal_bytes + info->distance_bytes +
-                                info->geometry_bytes + info->pyramid_bytes) /
+  const double kib = 1024.0 * info->irradiance.probe_count;
+  const double maps = (double)(info->bytes.irradiance + info->bytes.moments) / kib;
+  const double light = (double)(info->bytes.radiance + info->bytes.normal + info->bytes.distance +
+                                info->bytes.geometry + info->bytes.pyramid) /
                        kib;
   const contender all[3] = {
       {.name = "irradiance probes (classic)",
        .visibility = "no",
        .texels = "128\u00b2",
        .method = OLX_METHOD_CLASSIC,
-       .kib = (double)info->classic_bytes / kib,
+       .kib = (double)info->bytes.classic / kib,
        .published_kib = 149.25,
        .published_ms = 1.1},
       {.name = "light field, prefiltered",

@@ -288,7 +288,7 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
 static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
   static const compile_step step = {
       {"relight_surfels", "relight_values", "relight_bounce", "relight_texels", "relight_tell", "relight_volume"}, 6};
-  if (olx_field_describe(field).relight_surfels == 0) return true;
+  if (olx_field_describe(field).relight.surfels == 0) return true;
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();
   olx_relight *relight = NULL;

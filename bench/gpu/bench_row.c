@@ -86,15 +86,15 @@ static bool open_files(bench_job *job, const char *scene_path, const char *field
   if (!check_library(job, olx_field_open(field_path, &job->field))) return false;
   if (!check_library(job, olx_sample_settings_check(job->field, &job->settings->sample))) return false;
   const olx_field_info info = olx_field_describe(job->field);
-  job->result->probes = info.probe_count;
-  job->result->radiance_size = info.radiance_size;
+  job->result->probes = info.probes.count;
+  job->result->radiance_size = info.maps.size;
   job->result->triangles = job->content->triangle_count;
   double origin[3];
   olx_field_origin(job->field, origin);
   if (memcmp(origin, job->content->origin, sizeof origin) != 0) {
     return fail_job(job, "field and scene lie elsewhere: bake the field again");
   }
-  job->result->other_scene = info.scene_hash != job->content->hash;
+  job->result->other_scene = info.scene.hash != job->content->hash;
   const uint32_t compared = 1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS;
   if (!job->settings->compare || (info.select_mask & compared) == compared) return true;
   return fail_job(job, "to compare, a field needs cage and bricks (bake --select cage,bricks)");

@@ -41,13 +41,13 @@ static olx_result add_row(const sweep *s, const sweep_step *step, const bench_fi
   const olx_render_stats *stats = &images->stats;
   char grid[32], texels[16];
   snprintf(grid, sizeof grid, "%ux%ux%u", step->grid[0], step->grid[1], step->grid[2]);
-  snprintf(texels, sizeof texels, "%u\u00b2", info->radiance_size);
+  snprintf(texels, sizeof texels, "%u\u00b2", info->maps.size);
   const olx_image *image = &images->half[0][0];
   const double samples = 2.0 * image->width * image->height * bench_spp(s->b);
   const double rays = stats->field_rays > 0 ? (double)stats->field_rays : NAN;
   FINDINGS_ROW(&s->b->found, s->table, TEXT_CELL(bench_scene_title(s->wanted->scene)), TEXT_CELL(grid),
-               TEXT_CELL(texels), NUMBER_CELL(info->probe_count),
-               NUMBER_CELL((double)(info->file_bytes - info->selector_bytes) / 1048576.0),
+               TEXT_CELL(texels), NUMBER_CELL(info->probes.count),
+               NUMBER_CELL((double)(info->bytes.file - info->bytes.selectors) / 1048576.0),
                NUMBER_CELL(diffuse.error.relative_mse), NUMBER_CELL(diffuse.error.bias), NUMBER_CELL(diffuse.flip),
                NUMBER_CELL(glossy.error.relative_mse), NUMBER_CELL(glossy.error.bias), NUMBER_CELL(glossy.flip),
                NUMBER_CELL((double)stats->field_unresolved / rays), NUMBER_CELL(1e9 * stats->diffuse_seconds / samples),

@@ -75,7 +75,7 @@ static olx_vec3 spread_direction(uint32_t i) {
 
 static ringing find_ringing(const bench_field *made) {
   double directions = 0.0, negative = 0.0, undershoot = 0.0;
-  for (uint32_t probe = 0; probe < made->info.irradiance_probe_count; ++probe) {
+  for (uint32_t probe = 0; probe < made->info.irradiance.probe_count; ++probe) {
     if (olx_field_irradiance_probe_buried(made->field, probe)) continue;
     double least = 0.0, most = 0.0;
     for (uint32_t i = 0; i < DIRECTIONS; ++i) {
@@ -96,7 +96,7 @@ static olx_result add_row(const study *s, olx_irradiance_form form, const bench_
   const olx_result result = bench_compare(s->b, images, s->reference, BENCH_DIFFUSE, 0, &quality);
   if (result != OLX_OK) return result;
   const olx_field_info *info = &made->info;
-  const double probes = info->irradiance_probe_count, bytes = (double)info->irradiance_bytes / probes;
+  const double probes = info->irradiance.probe_count, bytes = (double)info->bytes.irradiance / probes;
   const double words = form == OLX_IRRADIANCE_OCTAHEDRAL ? 0.0 : CAGE * bytes / 4.0;
   const double filtered = form == OLX_IRRADIANCE_OCTAHEDRAL ? 2 * CAGE : CAGE;
   const double dark = s->camera_count > 1 ? bench_error_of(images, s->reference, BENCH_DIFFUSE, 1).mean : NAN;
@@ -104,9 +104,9 @@ static olx_result add_row(const study *s, olx_irradiance_form form, const bench_
   const olx_image *image = &images->half[0][0];
   const double samples = 2.0 * s->camera_count * image->width * image->height * bench_spp(s->b);
   char texels[16];
-  snprintf(texels, sizeof texels, "%u\u00b2", info->irradiance_size);
+  snprintf(texels, sizeof texels, "%u\u00b2", info->irradiance.size);
   FINDINGS_ROW(&s->b->found, s->table, TEXT_CELL(bench_scene_title(s->wanted->name)), TEXT_CELL(form_names[form]),
-               TEXT_CELL(texels), NUMBER_CELL(bytes), NUMBER_CELL(bytes + (double)info->moments_bytes / probes),
+               TEXT_CELL(texels), NUMBER_CELL(bytes), NUMBER_CELL(bytes + (double)info->bytes.moments / probes),
                NUMBER_CELL(filtered), NUMBER_CELL(words), NUMBER_CELL(16.0 * filtered + 4.0 * words),
                QUALITY_CELLS(quality), NUMBER_CELL(dark / quality.error.mean), NUMBER_CELL(rings.negative),
                NUMBER_CELL(rings.undershoot), NUMBER_CELL(1e9 * images->stats.diffuse_seconds / samples),

@@ -79,7 +79,7 @@ static olx_result add_rays(hall *h, const char *grid, const bench_field *made) {
   olx_audit audit;
   const olx_result result = olx_audit_field(h->scene, made->field, &settings, &h->b->progress, &audit);
   if (result != OLX_OK) return result;
-  const double bytes = (double)(made->info.file_bytes - made->info.selector_bytes - made->info.classic_bytes);
+  const double bytes = (double)(made->info.bytes.file - made->info.bytes.selectors - made->info.bytes.classic);
   FINDINGS_ROW(&h->b->found, h->rays, TEXT_CELL(grid), NUMBER_CELL(audit.rays.unresolved),
                NUMBER_CELL(audit.rays.wrong), NUMBER_CELL(audit.rays.unseen),
                NUMBER_CELL(audit.rays.distance_error_median), NUMBER_CELL(audit.rays.steps_mean),

@@ -94,7 +94,7 @@ static olx_result run_line(bench *b, const struct line *l, bench_table *table) {
                  NUMBER_CELL(bench_median(t.glossy_ms, rounds)), NUMBER_CELL(l->glossy_ms),
                  NUMBER_CELL((double)t.stats.field_rays / t.pixels), NUMBER_CELL((double)t.stats.field_steps / rays),
                  NUMBER_CELL((double)t.stats.field_probes / rays), NUMBER_CELL((double)t.stats.field_unresolved / rays),
-                 NUMBER_CELL((double)(made.info.file_bytes - made.info.selector_bytes) / 1048576.0),
+                 NUMBER_CELL((double)(made.info.bytes.file - made.info.bytes.selectors) / 1048576.0),
                  NUMBER_CELL(made.bake_seconds));
   }
   bench_field_close(&made);

@@ -35,7 +35,7 @@ typedef struct query {
 
 // A query at a point in the middle nine tenths of the scene, in any direction.
 static query query_at(const olx_field_info *info, uint64_t i) {
-  const olx_vec3 low = info->scene_min, high = info->scene_max;
+  const olx_vec3 low = info->scene.bounds_min, high = info->scene.bounds_max;
   const float z = 1.0f - 2.0f * unit(i, 3), r = sqrtf(fmaxf(0.0f, 1.0f - z * z)), phi = 6.2831853f * unit(i, 4);
   return (query){
       .position = {low.x + (high.x - low.x) * (0.05f + 0.9f * unit(i, 0)),
@@ -61,7 +61,7 @@ static olx_vec3 around(olx_vec3 n, uint64_t i) {
 // Traces ray i of an endless sequence from a probe that is not buried; false where it has none or meets no surface.
 static bool meet_surface(const olx_field *field, const olx_field_info *info, uint64_t i, olx_trace_hit *hit) {
   const olx_sample_settings settings = olx_sample_settings_default();
-  const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probe_count);
+  const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probes.count);
   if (olx_field_probe_buried(field, probe)) return false;
   const olx_vec3 eye = olx_field_probe_position(field, probe);
   *hit = olx_trace(field, &settings, eye, query_at(info, i).direction, INFINITY);
@@ -84,8 +84,8 @@ static uint32_t surface_rays(const olx_field *field, const olx_field_info *info,
 // Generates mirror rays in image order: the eye is the first free probe of the middle, looking all around, row by row.
 static uint32_t mirrored_rays(const olx_field *field, const olx_field_info *info, ray *rays, uint32_t count) {
   const olx_sample_settings settings = olx_sample_settings_default();
-  uint32_t probe = info->probe_count / 2;
-  while (probe + 1 < info->probe_count && olx_field_probe_buried(field, probe)) probe++;
+  uint32_t probe = info->probes.count / 2;
+  while (probe + 1 < info->probes.count && olx_field_probe_buried(field, probe)) probe++;
   const olx_vec3 eye = olx_field_probe_position(field, probe);
   const uint32_t side = (uint32_t)ceilf(sqrtf((float)count));
   uint32_t made = 0;
@@ -230,8 +230,8 @@ int study_runtime_speed(int argc, char **argv) {
     return library_failure(NAME);
   }
   const olx_field_info info = olx_field_describe(field);
-  printf("%u probes of %u^2, irradiance %u^2, %ld calls each\n\n", info.probe_count, info.radiance_size,
-         info.irradiance_size, count);
+  printf("%u probes of %u^2, irradiance %u^2, %ld calls each\n\n", info.probes.count, info.maps.size,
+         info.irradiance.size, count);
   printf("| call | ns | texel steps | probes | unresolved | unlike the first |\n|---|---|---|---|---|---|\n");
   ray *rays = malloc((size_t)count * sizeof *rays);
   if (!rays) return 1;

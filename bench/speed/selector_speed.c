@@ -39,14 +39,14 @@ typedef struct query {
 // A query slightly off a surface point that some probe sees, in a direction away from the surface. Returns false when
 // the probe sees the sky.
 static bool query_at(const olx_field *field, const olx_field_info *info, uint64_t i, query *q) {
-  const uint32_t probe = (uint32_t)(unit(i, 0) * (float)info->probe_count);
+  const uint32_t probe = (uint32_t)(unit(i, 0) * (float)info->probes.count);
   if (olx_field_probe_buried(field, probe)) return false;
   olx_sample_settings settings = olx_sample_settings_default();
   settings.select = OLX_SELECT_EXHAUSTIVE;
   const olx_trace_hit hit =
       olx_trace(field, &settings, olx_field_probe_position(field, probe), unit_vector(i, 1), INFINITY);
   if (hit.status != OLX_TRACE_HIT) return false;
-  const float off = 1e-5f * info->distance_scale_metres;
+  const float off = 1e-5f * info->maps.distance_scale_metres;
   const olx_vec3 n = hit.normal, p = hit.position, s = unit_vector(i, 3);
   q->position = (olx_vec3){p.x + off * n.x, p.y + off * n.y, p.z + off * n.z};
   const olx_vec3 d = {n.x + s.x, n.y + s.y, n.z + s.z}; // cosine-distributed
@@ -90,7 +90,7 @@ static void measure(const olx_field *field, const olx_field_info *info, uint32_t
   }
   if (rays == 0) return;
   printf("%u probes of %u^2, %u rays\n\n| selector | ns a ray | texel steps | probes tried | unresolved |\n",
-         info->probe_count, info->radiance_size, rays);
+         info->probes.count, info->maps.size, rays);
   printf("|---|---|---|---|---|\n");
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_BEST; select++) {
     if (!(mask & 1u << select)) continue;

@@ -371,7 +371,7 @@ static void judge_rays(const char *scene_path, olx_field *field, probe_blocks *b
   olx_scene *scene = NULL;
   if (olx_scene_load(scene_path, &scene) != OLX_OK) exit(library_failure(NAME));
   print_rays("of the field", scene, field);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (uint32_t i = 0; i < b->count; i++) {
       read_block(field, probe, b, i);
       b->codes[i] = olx_geometry_encode(b->surfaces + TEXELS * i, b->places[i], settings);
@@ -390,7 +390,7 @@ int study_block_quality(int argc, char **argv) {
     free(data);
     return library_failure(NAME);
   }
-  if (field->info.compressed) {
+  if (field->info.maps.compressed) {
     olx_field_close(field);
     free(data);
     return failure(NAME, "%s: has blocks already; bake it with --uncompressed", argv[1]);
@@ -400,7 +400,7 @@ int study_block_quality(int argc, char **argv) {
   if (argc > 3) settings.least_cosine = (float)atof(argv[3]);
   probe_blocks b = make_blocks(field->n);
   report r = {.blocks = 0};
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (uint32_t i = 0; i < b.count; i++) read_block(field, probe, &b, i);
     r.blocks += b.count;
     r.texels += b.count * TEXELS;
@@ -411,7 +411,7 @@ int study_block_quality(int argc, char **argv) {
     judge_bc4(&r.bc4_roughness, &b, b.roughness);
     judge_bc4(&r.bc4_reflectance, &b, b.reflectance);
   }
-  printf("%u probes of %u x %u texels\n", field->info.probe_count, field->n, field->n);
+  printf("%u probes of %u x %u texels\n", field->info.probes.count, field->n, field->n);
   print_geometry(&r);
   print_light("direct", &r.direct, &r);
   print_light("indirect", &r.indirect, &r);

@@ -61,7 +61,7 @@ static olx_vec3 shaded_light(const olx_field *field, uint32_t probe, olx_vec3 po
 // sees it.
 static bool choose(const oracle *o, const olx_surface *surface, olx_vec3 towards_eye, uint32_t chosen[3]) {
   float least[3] = {INFINITY, INFINITY, INFINITY};
-  for (uint32_t p = 0; p < o->field->info.probe_count; p++) {
+  for (uint32_t p = 0; p < o->field->info.probes.count; p++) {
     const olx_vec3 offset = olx_sub(o->field->probe_positions[p], surface->position);
     if (o->field->probe_flags[p] & OLX_PROBE_BURIED || olx_dot(offset, surface->geometric_normal) <= 0.0f) continue;
     const olx_ray ray = olx_surface_ray_to(surface, o->field->probe_positions[p], 0.0f);

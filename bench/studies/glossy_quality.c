@@ -93,7 +93,7 @@ int study_glossy_quality(int argc, char **argv) {
   by_field.height = by_path.height = (uint32_t)atoi(argv[4]);
   by_field.spp = (uint32_t)atoi(argv[5]);
   by_path.spp = (uint32_t)atoi(argv[6]);
-  by_path.bounces = olx_field_describe(field).bounces + 1;
+  by_path.bounces = olx_field_describe(field).bounces.count + 1;
   totals all[WAYS] = {0};
   bool fine = true;
   const uint32_t cameras = olx_scene_describe(scene).cameras;

@@ -108,7 +108,7 @@ static double ratio_spread(const comparison *c, uint32_t field, uint32_t best, u
 static void report(const comparison *c, char **names, uint32_t cameras, uint32_t pixels) {
   uint32_t best = UINT32_MAX;
   for (uint32_t i = 0; i < c->fields; i++) {
-    if (!olx_field_describe(c->field[i]).has_grid && best != UINT32_MAX) continue;
+    if (!olx_field_describe(c->field[i]).probes.has_grid && best != UINT32_MAX) continue;
     if (best == UINT32_MAX || error_without(c, i, cameras, PARTS) < error_without(c, best, cameras, PARTS)) best = i;
   }
   printf("| field | probes | MB | glossy MSE | relative | bias | over best grid | each camera |\n"
@@ -121,8 +121,8 @@ static void report(const comparison *c, char **names, uint32_t cameras, uint32_t
       for (uint32_t p = 0; p < PARTS; p++) power += c->sum[i][k].power[p];
       bias += c->sum[i][k].bias, light += c->sum[i][k].light;
     }
-    printf("| %s | %u | %.0f | %.3g | %.4f | %+.3f | %.2f ± %.2f |", names[i], info.probe_count,
-           (double)(info.radiance_bytes + info.normal_bytes + info.distance_bytes + info.geometry_bytes) * 1e-6,
+    printf("| %s | %u | %.0f | %.3g | %.4f | %+.3f | %.2f ± %.2f |", names[i], info.probes.count,
+           (double)(info.bytes.radiance + info.bytes.normal + info.bytes.distance + info.bytes.geometry) * 1e-6,
            error / (3.0 * pixels * cameras), error / power, bias / light,
            error / error_without(c, best, cameras, PARTS), ratio_spread(c, i, best, cameras));
     for (uint32_t k = 0; k < cameras; k++) {

@@ -150,8 +150,8 @@ int study_seams(int argc, char **argv) {
   const olx_field_info info = olx_field_describe(field);
   look(&p, &camera);
   printf("{");
-  if (info.irradiance_probe_count) print_layer(&p, OLX_LAYER_INDIRECT_DIFFUSE, &info.irradiance_grid);
-  if (info.has_grid) print_layer(&p, OLX_LAYER_INDIRECT_GLOSSY, &info.grid);
+  if (info.irradiance.probe_count) print_layer(&p, OLX_LAYER_INDIRECT_DIFFUSE, &info.irradiance.grid);
+  if (info.probes.has_grid) print_layer(&p, OLX_LAYER_INDIRECT_GLOSSY, &info.probes.grid);
   printf("\"not_finite\":%llu}\n", (unsigned long long)count_broken(&p.image));
   olx_image_free(&p.image);
   olx_field_close(field);

@@ -157,7 +157,7 @@ static void add_field(const surface_run *r, const bench_field *plain, const benc
                       const field_measures *m) {
   const olx_render_stats *stats = &images->stats;
   FINDINGS_ROW(&r->b->found, r->fields, TEXT_CELL(bench_scene_title(r->name)), TEXT_CELL(surface_where(r)),
-               NUMBER_CELL(plain->info.probe_count), NUMBER_CELL((double)plain->info.file_bytes / 1048576.0),
+               NUMBER_CELL(plain->info.probes.count), NUMBER_CELL((double)plain->info.bytes.file / 1048576.0),
                NUMBER_CELL(share_or_none(&m->audit)), NUMBER_CELL(error_or_none(&m->audit.stored)),
                NUMBER_CELL(error_or_none(&m->audit.fallen_back)), NUMBER_CELL(error_or_none(&m->audit.space_volume)),
                NUMBER_CELL(error_or_none(&m->audit.space_probes)), NUMBER_CELL(m->bakes_rms[BENCH_CAMERAS]),

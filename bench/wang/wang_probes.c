@@ -82,10 +82,10 @@ static olx_result judge(const wang_view *view, const bench_field *made, finding 
   const olx_field_info *info = &made->info;
   const bench_name name = bench_probes_name(&found->probes);
   bench_images pictures;
-  found->count = info->probe_count;
+  found->count = info->probes.count;
   found->coverage = made->coverage;
   found->megabytes =
-      (double)(info->radiance_bytes + info->normal_bytes + info->distance_bytes + info->geometry_bytes) * 1e-6;
+      (double)(info->bytes.radiance + info->bytes.normal + info->bytes.distance + info->bytes.geometry) * 1e-6;
   olx_result result =
       wang_compare(view, made->field, OLX_TRACER_HIZ, OLX_SELECT_BEST, name.text, &found->quality, &pictures);
   if (result == OLX_OK) result = show(view, name.text, &pictures);

@@ -44,14 +44,14 @@ static double at_512(double bytes, uint32_t texels) {
 static void add_set(bench *b, bench_table *table, const struct published *p, const bench_field *set) {
   const olx_field_info *info = &set->info;
   const double distance =
-      at_512((double)(info->distance_bytes + info->geometry_bytes + info->pyramid_bytes), info->radiance_size);
-  const double other = at_512((double)(info->radiance_bytes + info->normal_bytes), info->radiance_size) +
-                       (double)(info->irradiance_bytes + info->moments_bytes) / MIB;
-  const bool placed = !info->has_grid;
-  const double octree = placed ? (double)info->select_bytes[OLX_SELECT_OCTREE] / MIB : NAN;
+      at_512((double)(info->bytes.distance + info->bytes.geometry + info->bytes.pyramid), info->maps.size);
+  const double other = at_512((double)(info->bytes.radiance + info->bytes.normal), info->maps.size) +
+                       (double)(info->bytes.irradiance + info->bytes.moments) / MIB;
+  const bool placed = !info->probes.has_grid;
+  const double octree = placed ? (double)info->bytes.select[OLX_SELECT_OCTREE] / MIB : NAN;
   FINDINGS_ROW(&b->found, table, TEXT_CELL(wang_scenes[p->scene].name), TEXT_CELL(p->set), NUMBER_CELL(distance),
                NUMBER_CELL(p->distance), NUMBER_CELL(other), NUMBER_CELL(p->other), NUMBER_CELL(octree),
-               NUMBER_CELL(p->octree), NUMBER_CELL(placed ? (double)info->select_bytes[OLX_SELECT_BRICKS] / MIB : NAN),
+               NUMBER_CELL(p->octree), NUMBER_CELL(placed ? (double)info->bytes.select[OLX_SELECT_BRICKS] / MIB : NAN),
                NUMBER_CELL(distance + other + (placed ? octree : 0.0)), NUMBER_CELL(p->total),
                NUMBER_CELL(placed ? set->place_seconds : NAN), NUMBER_CELL(set->bake_seconds));
 }

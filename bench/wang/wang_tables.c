@@ -61,15 +61,15 @@ static void add_row(bench *b, bench_table *table, const char *scene, const wang_
 static void add_memory(bench *b, bench_table *table, const char *scene, const wang_measured_row *row,
                        const bench_field *set) {
   const olx_field_info *info = &set->info;
-  FINDINGS_ROW(&b->found, table, TEXT_CELL(scene), TEXT_CELL(wang_row_name(row).text), NUMBER_CELL(info->probe_count),
-               NUMBER_CELL((double)(info->distance_bytes + info->geometry_bytes) / MIB),
-               NUMBER_CELL((double)info->pyramid_bytes / MIB), NUMBER_CELL((double)info->radiance_bytes / MIB),
-               NUMBER_CELL((double)info->normal_bytes / MIB),
-               NUMBER_CELL((double)(info->irradiance_bytes + info->moments_bytes) / MIB),
-               NUMBER_CELL((double)(info->file_bytes - info->selector_bytes) / MIB),
-               NUMBER_CELL((double)info->select_bytes[OLX_SELECT_VORONOI] / MIB),
-               NUMBER_CELL((double)info->select_bytes[OLX_SELECT_OCTREE] / MIB),
-               NUMBER_CELL((double)info->select_bytes[OLX_SELECT_BRICKS] / MIB), NUMBER_CELL(set->place_seconds),
+  FINDINGS_ROW(&b->found, table, TEXT_CELL(scene), TEXT_CELL(wang_row_name(row).text), NUMBER_CELL(info->probes.count),
+               NUMBER_CELL((double)(info->bytes.distance + info->bytes.geometry) / MIB),
+               NUMBER_CELL((double)info->bytes.pyramid / MIB), NUMBER_CELL((double)info->bytes.radiance / MIB),
+               NUMBER_CELL((double)info->bytes.normal / MIB),
+               NUMBER_CELL((double)(info->bytes.irradiance + info->bytes.moments) / MIB),
+               NUMBER_CELL((double)(info->bytes.file - info->bytes.selectors) / MIB),
+               NUMBER_CELL((double)info->bytes.select[OLX_SELECT_VORONOI] / MIB),
+               NUMBER_CELL((double)info->bytes.select[OLX_SELECT_OCTREE] / MIB),
+               NUMBER_CELL((double)info->bytes.select[OLX_SELECT_BRICKS] / MIB), NUMBER_CELL(set->place_seconds),
                NUMBER_CELL(set->bake_seconds));
 }
 

@@ -68,7 +68,7 @@ static void load_field(renderer *r) {
   olx_vulkan_sizes sizes;
   need_octalux(olx_field_open(r->options.field_path, &field));
   need_octalux(olx_vulkan_field_measure(&host, field, &sizes));
-  printf("%s: %u probes, %.1f MiB on %s\n", r->options.field_path, olx_field_describe(field).probe_count,
+  printf("%s: %u probes, %.1f MiB on %s\n", r->options.field_path, olx_field_describe(field).probes.count,
          (double)sizes.device_bytes / (1 << 20), g->name);
   need_octalux(olx_vulkan_field_create(&host, field, &r->field));
   olx_field_close(field); // all of it is on the device

@@ -52,42 +52,94 @@ typedef struct olx_grid {
   uint32_t count[3]; // each at least 1
 } olx_grid;
 
-// The contents of a field. Sizes in texels are those of the square octahedral maps without their one-texel border.
-typedef struct olx_field_info {
-  uint32_t probe_count;            // light field probes, at least 1
-  uint32_t irradiance_probe_count; // irradiance probes; 0: baked without probe light, and all members about them are 0
-  uint32_t buried_count;           // light field probes that are buried (inside geometry), which no lookup uses
-  uint32_t irradiance_buried_count;
-  bool has_grid;               // light field probes lie on `grid`
-  olx_grid grid;               // valid when has_grid
-  olx_grid irradiance_grid;    // positions of the irradiance probes
-  uint32_t radiance_size;      // texels along a side of a light field map: a power of two, 8 to 2048
-  uint32_t irradiance_size;    // texels along a side of an irradiance probe's maps: a power of two, 8 to 256; 0 without probes
-  olx_irradiance_form irradiance_form; // with spherical harmonics, the maps hold moments alone
-  uint32_t select_mask;        // bit (1 << olx_select) for each structure that is baked in; may be 0
+// The light field probes of a field.
+typedef struct olx_probes_info {
+  uint32_t count;  // at least 1
+  uint32_t buried; // those that are inside geometry, which no lookup uses
+  bool has_grid;   // they lie on `grid`
+  olx_grid grid;   // valid when has_grid, else all 0
+} olx_probes_info;
+
+// The maps of light field probes. Sizes in texels, here and below, are those of the square octahedral maps without
+// their one-texel border.
+typedef struct olx_maps_info {
+  uint32_t size;               // texels along a side: a power of two, 8 to 2048
+  uint32_t samples;            // radiance samples along a texel's side (2: four samples a texel)
   float distance_scale_metres; // stored distances times this are metres
-  olx_vec3 scene_min, scene_max;
-  uint32_t bounces;    // --bounces of the bake: light in the maps is direct light and this many further bounces
-  float last_bounce;   // share of the indirect light at texels that has bounces + 1 surfaces between emitter and texel, 0 to 1:
-                       // rays leave it out where they end, since surfaces that they light add one; 0 when not known
-  uint32_t samples;    // radiance samples along a texel's side (2: four samples a texel)
-  bool compressed;     // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
-  bool geometry_blocks; // what light field probes see is stored in 4 x 4 blocks: planes, not distances and normals
-  uint64_t scene_hash; // of geometry, materials, textures, lights and environment; 0 of a relit field
-  uint32_t classic_size;      // texels along a side of the classic maps: a power of two, 32 to 256; 0: baked without them
-  uint32_t classic_cube_size; // along a face of their source cube maps
-  float classic_sharpness;    // exponent of the filter from cube maps to classic maps
-  uint32_t relight_surfels, relight_links; // surfels for relighting, and the links between them; 0: baked without
-  uint32_t volume_probe_count; // probes of the irradiance volume; 0: baked without
-  uint32_t light_count;    // lights of the scene that have no area
-  uint64_t file_bytes;
-  // Bytes stored for the surfaces that light field probes see: material (base colour and reflectance), irradiance
-  // directly from emitters, irradiance from surfaces, and emission with the sky.
-  uint64_t material_bytes, direct_bytes, indirect_bytes, emission_bytes;
-  uint64_t geometry_bytes; // of geometry blocks and their planes; 0 without, and normal_bytes and distance_bytes 0 with them
-  uint64_t radiance_bytes, normal_bytes, distance_bytes, pyramid_bytes, irradiance_bytes, moments_bytes,
-      selector_bytes, classic_bytes, relight_bytes, volume_bytes; // volume_bytes: of the volume with its cells
-  uint64_t select_bytes[OLX_SELECT_EXHAUSTIVE]; // of each selector in the file; their sum is selector_bytes
+  bool compressed;      // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
+  bool geometry_blocks; // geometry is stored in blocks of 4 x 4 texels: planes, not distances and normals
+} olx_maps_info;
+
+// The irradiance probes of a field; all 0 of one that was baked without probe light.
+typedef struct olx_irradiance_info {
+  uint32_t probe_count;     // 0: baked without probe light
+  uint32_t buried;          // those that are inside geometry, which no lookup uses
+  olx_grid grid;            // where they stand
+  uint32_t size;            // texels along a side of a probe's maps: a power of two, 8 to 256
+  olx_irradiance_form form; // with spherical harmonics, the maps hold moments alone
+} olx_irradiance_info;
+
+// The classic maps of irradiance probes; all 0 of a field that was baked without them.
+typedef struct olx_classic_info {
+  uint32_t size;      // texels along a side of a map: a power of two, 32 to 256; 0: baked without
+  uint32_t cube_size; // texels along a side of a face of their source cube maps
+  float sharpness;    // exponent of the filter from cube maps to classic maps
+} olx_classic_info;
+
+// The irradiance volume.
+typedef struct olx_volume_info {
+  uint32_t probe_count; // 0: baked without
+} olx_volume_info;
+
+// The data for relighting.
+typedef struct olx_relight_info {
+  uint32_t surfels; // 0: baked without
+  uint32_t links;   // between surfels
+} olx_relight_info;
+
+// The light in a field's maps.
+typedef struct olx_bounces_info {
+  uint32_t count; // --bounces of the bake: light in the maps is direct light and this many further bounces
+  float last; // share of the indirect light at texels that has count + 1 surfaces between emitter and texel, 0 to 1:
+              // rays leave it out where they end, since surfaces that they light add one; 0 when not known
+} olx_bounces_info;
+
+// The scene of which a field was baked.
+typedef struct olx_baked_scene_info {
+  olx_vec3 bounds_min, bounds_max; // metres
+  uint32_t light_count;            // lights that have no area
+  uint64_t hash;                   // of geometry, materials, textures, lights and environment; 0 of a relit field
+} olx_baked_scene_info;
+
+// The bytes that each part of a field takes in its file; 0 of a part that it does not hold.
+typedef struct olx_bytes_info {
+  uint64_t file; // the whole file
+  // The surfaces that light field probes see: base colour and reflectance, irradiance directly from emitters,
+  // irradiance from surfaces, and emission with the sky.
+  uint64_t material, direct, indirect, emission;
+  // Their geometry: blocks with their planes, or normals and distances; and the pyramids over distances.
+  uint64_t geometry, normal, distance, pyramid;
+  uint64_t radiance;            // as light field probes saw it
+  uint64_t irradiance, moments; // of irradiance probes
+  uint64_t classic;
+  uint64_t volume; // with its cells
+  uint64_t relight;
+  uint64_t selectors;                     // the sum of `select`
+  uint64_t select[OLX_SELECT_EXHAUSTIVE]; // of each selector
+} olx_bytes_info;
+
+// The contents of a field.
+typedef struct olx_field_info {
+  olx_probes_info probes;
+  olx_maps_info maps;
+  olx_irradiance_info irradiance;
+  olx_classic_info classic;
+  olx_volume_info volume;
+  olx_relight_info relight;
+  uint32_t select_mask; // bit (1 << olx_select) for each selector that is baked in; may be 0
+  olx_bounces_info bounces;
+  olx_baked_scene_info scene;
+  olx_bytes_info bytes;
 } olx_field_info;
 
 // Maps a field file into memory and checks its structure: every offset and size, and the checksums of header, chunk
@@ -99,7 +151,7 @@ olx_result olx_field_open(const char *path, olx_field **field);
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
 // Reads the description of a field file of format version 1. Such a file cannot be opened, because its texels hold no
-// surfaces: the scene must be baked again. All counts of bytes except file_bytes are 0, as are the members that
+// surfaces: the scene must be baked again. All of info->bytes except info->bytes.file are 0, as are the members that
 // optional chunks describe. OLX_ERROR_VERSION for a file of another version.
 olx_result olx_field_describe_version_1(const char *path, olx_field_info *info);
 
@@ -113,13 +165,13 @@ olx_field_info olx_field_describe(const olx_field *field);
 // double precision, from the eye and from positions that it passes as floats; nothing else differs.
 void olx_field_origin(const olx_field *field, double origin[3]);
 
-// Returns the position in metres of a light field probe, index < probe_count; NaN for any other index.
+// Returns the position in metres of a light field probe, index < probes.count; NaN for any other index.
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index);
 // Returns whether a light field probe was found buried (inside geometry) by the bake; true for an index without a
 // probe.
 bool olx_field_probe_buried(const olx_field *field, uint32_t index);
-// Returns whether an irradiance probe was found buried (inside geometry), index < irradiance_probe_count; true for any
-// other index.
+// Returns whether an irradiance probe was found buried (inside geometry), index < irradiance.probe_count; true for
+// any other index.
 bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index);
 
 // Reads every byte: checksums, zero padding, and the contents of the maps (no NaN, no negative distance, only possible

@@ -125,7 +125,7 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
 // - `position`: metres.
 // - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it.
 // Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of
-// another room would be a leak. In a field without a volume (olx_field_info.volume_probe_count is 0), and in one whose
+// another room would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0), and in one whose
 // lights have changed since it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers
 // that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
@@ -134,7 +134,7 @@ olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_ve
 // OLX_HITS_SHADED then replaces OLX_HITS_STORED, and olx_irradiance and olx_probe_irradiance are 0.
 olx_result olx_probe_light_check(const olx_field *field);
 
-// Returns the irradiance in W/m^2 that irradiance probe `index` (< irradiance_probe_count) stores for surfaces of unit
+// Returns the irradiance in W/m^2 that irradiance probe `index` (< irradiance.probe_count) stores for surfaces of unit
 // normal `normal`: not interpolated, and with the ringing of spherical harmonics, so that it may be below 0 where
 // olx_irradiance returns 0. 0 for any other index.
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);

@@ -63,7 +63,7 @@ class Field(Handle):
 
     @property
     def info(self) -> SimpleNamespace:
-        """What is in the field: the members of olx_field_info (probe_count, radiance_size, scene_min, file_bytes, ...)."""
+        """What is in the field: the members of olx_field_info (probes.count, maps.size, scene.bounds_min, bytes.file, ...)."""
         return native.record(library.olx_field_describe(self.handle))
 
     @property
@@ -75,15 +75,15 @@ class Field(Handle):
 
     @property
     def positions(self) -> np.ndarray:
-        """Where light field probes stand: float32 (probe_count, 3), metres."""
-        number = library.olx_field_describe(self.handle).probe_count
+        """Where light field probes stand: float32 (probes.count, 3), metres."""
+        number = library.olx_field_describe(self.handle).probes.count
         places = [library.olx_field_probe_position(self.handle, i) for i in range(number)]
         return np.array([(p.x, p.y, p.z) for p in places], np.float32)
 
     @property
     def buried(self) -> np.ndarray:
-        """Which light field probes were found inside geometry: bool (probe_count,)."""
-        number = library.olx_field_describe(self.handle).probe_count
+        """Which light field probes were found inside geometry: bool (probes.count,)."""
+        number = library.olx_field_describe(self.handle).probes.count
         return np.array([library.olx_field_probe_buried(self.handle, i) for i in range(number)], np.bool_)
 
     def verify(self) -> None:

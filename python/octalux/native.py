@@ -88,22 +88,49 @@ class Grid(Struct):
     _fields_ = [("origin", Vec3), ("spacing", Vec3), ("count", c_uint32 * 3)]
 
 
+class ProbesInfo(Struct):
+    _fields_ = [("count", c_uint32), ("buried", c_uint32), ("has_grid", c_bool), ("grid", Grid)]
+
+
+class MapsInfo(Struct):
+    _fields_ = [("size", c_uint32), ("samples", c_uint32), ("distance_scale_metres", c_float), ("compressed", c_bool),
+                ("geometry_blocks", c_bool)]
+
+
+class IrradianceInfo(Struct):
+    _fields_ = [("probe_count", c_uint32), ("buried", c_uint32), ("grid", Grid), ("size", c_uint32), ("form", c_uint32)]
+
+
+class ClassicInfo(Struct):
+    _fields_ = [("size", c_uint32), ("cube_size", c_uint32), ("sharpness", c_float)]
+
+
+class VolumeInfo(Struct):
+    _fields_ = [("probe_count", c_uint32)]
+
+
+class RelightInfo(Struct):
+    _fields_ = [("surfels", c_uint32), ("links", c_uint32)]
+
+
+class BouncesInfo(Struct):
+    _fields_ = [("count", c_uint32), ("last", c_float)]
+
+
+class BakedSceneInfo(Struct):
+    _fields_ = [("bounds_min", Vec3), ("bounds_max", Vec3), ("light_count", c_uint32), ("hash", c_uint64)]
+
+
+class BytesInfo(Struct):
+    _fields_ = [(name, c_uint64) for name in
+                ("file", "material", "direct", "indirect", "emission", "geometry", "normal", "distance", "pyramid", "radiance",
+                 "irradiance", "moments", "classic", "volume", "relight", "selectors")] + [("select", c_uint64 * 4)]
+
+
 class FieldInfo(Struct):
-    _fields_ = [("probe_count", c_uint32), ("irradiance_probe_count", c_uint32), ("buried_count", c_uint32),
-                ("irradiance_buried_count", c_uint32), ("has_grid", c_bool), ("grid", Grid),
-                ("irradiance_grid", Grid), ("radiance_size", c_uint32), ("irradiance_size", c_uint32),
-                ("irradiance_form", c_uint32), ("select_mask", c_uint32), ("distance_scale_metres", c_float),
-                ("scene_min", Vec3), ("scene_max", Vec3), ("bounces", c_uint32), ("last_bounce", c_float),
-                ("samples", c_uint32), ("compressed", c_bool), ("geometry_blocks", c_bool),
-                ("scene_hash", c_uint64), ("classic_size", c_uint32),
-                ("classic_cube_size", c_uint32), ("classic_sharpness", c_float), ("relight_surfels", c_uint32),
-                ("relight_links", c_uint32),
-                ("volume_probe_count", c_uint32), ("light_count", c_uint32), ("file_bytes", c_uint64),
-                ("material_bytes", c_uint64), ("direct_bytes", c_uint64), ("indirect_bytes", c_uint64),
-                ("emission_bytes", c_uint64), ("geometry_bytes", c_uint64), ("radiance_bytes", c_uint64),
-                ("normal_bytes", c_uint64), ("distance_bytes", c_uint64), ("pyramid_bytes", c_uint64), ("irradiance_bytes", c_uint64),
-                ("moments_bytes", c_uint64), ("selector_bytes", c_uint64), ("classic_bytes", c_uint64),
-                ("relight_bytes", c_uint64), ("volume_bytes", c_uint64), ("select_bytes", c_uint64 * 4)]
+    _fields_ = [("probes", ProbesInfo), ("maps", MapsInfo), ("irradiance", IrradianceInfo), ("classic", ClassicInfo),
+                ("volume", VolumeInfo), ("relight", RelightInfo), ("select_mask", c_uint32), ("bounces", BouncesInfo),
+                ("scene", BakedSceneInfo), ("bytes", BytesInfo)]
 
 
 class SampleSettings(Struct):
@@ -243,7 +270,7 @@ class Perceptual(Struct):
 
 
 SampleSettings.enumerators = {"tracer": "tracer", "select": "select", "visibility": "visibility", "hits": "hits"}
-FieldInfo.enumerators = {"irradiance_form": "irradiance_form"}
+IrradianceInfo.enumerators = {"form": "irradiance_form"}
 PlaceSettings.enumerators = {"method": "place_method", "optimize": "place_optimizer", "reward": "place_reward"}
 PlacedProbe.enumerators = {"origin": "probe_origin"}
 BakeSettings.enumerators = {"irradiance_form": "irradiance_form", "bounce_gather": "bounce_gather", "light": "bake_light"}

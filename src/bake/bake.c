@@ -56,20 +56,18 @@ static float least_spacing(const olx_grid *grid, float otherwise) {
 olx_field_header olx_bake_header(const olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
   olx_field_header header = {
-      .info = {.probe_count = b->context.probes.light_field.count,
-               .irradiance_probe_count = b->context.probes.irradiance.count,
-               .has_grid = !s->probes,
-               .grid = s->grid,
-               .radiance_size = s->radiance_size,
+      .info = {.probes = {.count = b->context.probes.light_field.count, .has_grid = !s->probes, .grid = s->grid},
+               .maps = {.size = s->radiance_size,
+                        .samples = s->samples,
+                        .distance_scale_metres = b->context.distance_scale,
+                        .compressed = !s->uncompressed,
+                        .geometry_blocks = !s->uncompressed},
+               .irradiance.probe_count = b->context.probes.irradiance.count,
                .select_mask = olx_bake_select_mask(s),
-               .distance_scale_metres = b->context.distance_scale,
-               .scene_min = b->context.scene->bounds_min,
-               .scene_max = b->context.scene->bounds_max,
-               .bounces = s->bounces,
-               .samples = s->samples,
-               .scene_hash = b->context.scene->hash,
-               .compressed = !s->uncompressed,
-               .geometry_blocks = !s->uncompressed},
+               .bounces.count = s->bounces,
+               .scene = {.bounds_min = b->context.scene->bounds_min,
+                         .bounds_max = b->context.scene->bounds_max,
+                         .hash = b->context.scene->hash}},
       .origin = {b->context.scene->origin[0], b->context.scene->origin[1], b->context.scene->origin[2]},
       .probe_positions = b->context.probes.light_field.positions,
       .irradiance_positions = b->context.probes.irradiance.positions,
@@ -80,16 +78,16 @@ olx_field_header olx_bake_header(const olx_bake_run *b) {
       .volume_bytes = b->volume.cells.size_bytes,
       .volume_positions = b->volume.cells.positions,
   };
-  header.info.volume_probe_count = b->volume.cells.probe_count;
+  header.info.volume.probe_count = b->volume.cells.probe_count;
   if (b->context.probes.irradiance.count) {
-    header.info.irradiance_grid = s->irradiance_grid;
-    header.info.irradiance_size = s->irradiance_size;
-    header.info.irradiance_form = s->irradiance_form;
+    header.info.irradiance.grid = s->irradiance_grid;
+    header.info.irradiance.size = s->irradiance_size;
+    header.info.irradiance.form = s->irradiance_form;
   }
   if (s->classic) {
-    header.info.classic_size = s->classic_size;
-    header.info.classic_cube_size = s->classic_cube_size;
-    header.info.classic_sharpness = (float)b->classic.filter.sharpness;
+    header.info.classic.size = s->classic_size;
+    header.info.classic.cube_size = s->classic_cube_size;
+    header.info.classic.sharpness = (float)b->classic.filter.sharpness;
   }
   header.relight = s->relight;
   for (olx_select select = OLX_SELECT_CAGE; select < OLX_SELECT_STORED; select++) {

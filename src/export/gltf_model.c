@@ -191,23 +191,25 @@ static void add_probes(gltf_model *m, cJSON *children, const char *kind, const o
   }
 }
 
-static float diagonal(const olx_field *f) { return olx_length(olx_sub(f->info.scene_max, f->info.scene_min)); }
+static float diagonal(const olx_field *f) {
+  return olx_length(olx_sub(f->info.scene.bounds_max, f->info.scene.bounds_min));
+}
 
 static void add_light_field_probes(gltf_model *m, cJSON *children) {
   const olx_field *f = m->field;
   const uint32_t mesh = add_probe_meshes(m, "light field probe", PROBE_RADIUS * diagonal(f), MATERIAL_PROBE);
   add_probes(m, add_group(m, children, "light field probes"), "light field probe", f->probe_positions, f->probe_flags,
-             f->info.probe_count, mesh);
-  m->counts.probes = f->info.probe_count;
+             f->info.probes.count, mesh);
+  m->counts.probes = f->info.probes.count;
 }
 
 static void add_irradiance_probes(gltf_model *m, cJSON *children) {
   const olx_field *f = m->field;
-  if (!f->info.irradiance_probe_count) return;
+  if (!f->info.irradiance.probe_count) return;
   const uint32_t mesh = add_probe_meshes(m, "irradiance probe", IRRADIANCE_RADIUS * diagonal(f), MATERIAL_IRRADIANCE);
   add_probes(m, add_group(m, children, "irradiance probes"), "irradiance probe", f->irradiance_positions,
-             f->irradiance_flags, f->info.irradiance_probe_count, mesh);
-  m->counts.irradiance_probes = f->info.irradiance_probe_count;
+             f->irradiance_flags, f->info.irradiance.probe_count, mesh);
+  m->counts.irradiance_probes = f->info.irradiance.probe_count;
 }
 
 // ---- Boxes
@@ -236,7 +238,7 @@ static void add_box_edges(gltf_model *m, cJSON *children, const char *name, cons
 
 static void add_volume_probes(gltf_model *m, cJSON *children) {
   const olx_field *f = m->field;
-  const uint32_t count = f->info.volume_probe_count;
+  const uint32_t count = f->info.volume.probe_count;
   uint32_t indices = 0;
   const uint32_t positions = add_octahedra(m, f->volume.positions, count, VOLUME_RADIUS * diagonal(f), &indices);
   olx_vec3 *colors = extend(m, (size_t)count * CORNERS * sizeof *colors);
@@ -253,7 +255,7 @@ static void add_volume_probes(gltf_model *m, cJSON *children) {
 }
 
 static void add_volume(gltf_model *m, cJSON *children) {
-  if (!m->field->info.volume_probe_count) return;
+  if (!m->field->info.volume.probe_count) return;
   cJSON *group = add_group(m, children, "irradiance volume");
   olx_export_boxes cells = {0};
   add_volume_probes(m, group);
@@ -309,7 +311,7 @@ static void add_materials(gltf_model *m) {
 
 static void add_root(gltf_model *m) {
   char hash[24];
-  snprintf(hash, sizeof hash, "%016" PRIx64, m->field->info.scene_hash);
+  snprintf(hash, sizeof hash, "%016" PRIx64, m->field->info.scene.hash);
   cJSON *asset = cJSON_AddObjectToObject(m->root, "asset");
   cJSON_AddStringToObject(asset, "version", "2.0");
   cJSON_AddStringToObject(asset, "generator", "octalux");

@@ -136,17 +136,17 @@ uint32_t olx_map_side(const olx_field *field, olx_map map) {
 static bool has(const olx_field *field, map_need need) {
   switch (need) {
   case NOTHING: return true;
-  case PROBE_LIGHT: return field->info.irradiance_probe_count > 0;
+  case PROBE_LIGHT: return field->info.irradiance.probe_count > 0;
   case CLASSIC_MAPS: return field->classic.size > 0;
-  case A_VOLUME: return field->info.volume_probe_count > 0;
+  case A_VOLUME: return field->info.volume.probe_count > 0;
   }
   return false;
 }
 
 static uint32_t probe_count(const olx_field *field, probe_kind kind) {
-  return kind == LIGHT_FIELD  ? field->info.probe_count
-         : kind == IRRADIANCE ? field->info.irradiance_probe_count
-                              : field->info.volume_probe_count;
+  return kind == LIGHT_FIELD  ? field->info.probes.count
+         : kind == IRRADIANCE ? field->info.irradiance.probe_count
+                              : field->info.volume.probe_count;
 }
 
 olx_result olx_map_check(const olx_field *field, olx_map map, uint32_t probe) {

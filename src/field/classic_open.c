@@ -18,9 +18,9 @@ static olx_result read_header(olx_field *field, const olx_chunk_file *file, cons
   if (!data) return OLX_OK;
   const olx_classic_header *header = data;
   OLX_TRY(check_header(field, header));
-  field->info.classic_size = header->size;
-  field->info.classic_cube_size = header->cube_size;
-  field->info.classic_sharpness = header->sharpness;
+  field->info.classic.size = header->size;
+  field->info.classic.cube_size = header->cube_size;
+  field->info.classic.sharpness = header->sharpness;
   OLX_TRY(olx_classic_info_check(&field->info, field->name, OLX_ERROR_FORMAT));
   field->classic.size = header->size;
   field->classic.table = header->table;
@@ -34,7 +34,7 @@ static bool is_around(float low, float middle, float high) {
 
 // Checks that boxes are finite and contain their probes, because the runtime relies on it.
 static olx_result check_boxes(const olx_field *field) {
-  for (uint32_t i = 0; i < field->info.irradiance_probe_count; i++) {
+  for (uint32_t i = 0; i < field->info.irradiance.probe_count; i++) {
     const olx_vec3 low = field->classic.boxes[i].low, p = field->irradiance_positions[i],
                    high = field->classic.boxes[i].high;
     if (is_around(low.x, p.x, high.x) && is_around(low.y, p.y, high.y) && is_around(low.z, p.z, high.z)) continue;
@@ -68,7 +68,7 @@ olx_result olx_classic_open(olx_field *field) {
     maps->level_first[level] = olx_classic_first(maps->size, level);
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) {
-    field->info.classic_bytes += shapes[k].size_bytes;
+    field->info.bytes.classic += shapes[k].size_bytes;
   }
   return check_boxes(field);
 }

@@ -24,8 +24,8 @@ static olx_result find_selectors(olx_field *field, const olx_chunk_shape shapes[
     if (!chunk) continue;
     field->select_data[select] = (const char *)field->data + chunk->offset;
     field->select_bytes[select] = chunk->size_bytes;
-    field->info.selector_bytes += chunk->size_bytes;
-    field->info.select_bytes[select] = chunk->size_bytes;
+    field->info.bytes.selectors += chunk->size_bytes;
+    field->info.bytes.select[select] = chunk->size_bytes;
   }
   return OLX_OK;
 }
@@ -36,7 +36,7 @@ static olx_result check_selectors(olx_field *field) {
   const void *bricks = field->select_data[OLX_SELECT_BRICKS];
   if (!bricks) return OLX_OK;
   const size_t size_bytes = field->select_bytes[OLX_SELECT_BRICKS];
-  OLX_TRY(olx_bricks_open(bricks, size_bytes, field->info.probe_count, field->name, &field->bricks));
+  OLX_TRY(olx_bricks_open(bricks, size_bytes, field->info.probes.count, field->name, &field->bricks));
   return OLX_OK;
 }
 
@@ -81,51 +81,51 @@ static olx_result find_chunks(olx_field *field) {
   OLX_TRY(refuse_unknown(&file, &field->info, shapes));
   OLX_TRY(find_selectors(field, shapes));
   olx_field_info *info = &field->info;
-  info->file_bytes = field->size_bytes;
-  info->radiance_bytes = shapes[OLX_CHUNK_RADIANCE].size_bytes;
-  info->normal_bytes = info->geometry_blocks ? 0 : shapes[OLX_CHUNK_NORMAL].size_bytes;
-  if (info->geometry_blocks) info->geometry_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
-  else info->distance_bytes = shapes[OLX_CHUNK_DISTANCE].size_bytes;
-  info->pyramid_bytes = shapes[OLX_CHUNK_LEAST].size_bytes + shapes[OLX_CHUNK_GREATEST].size_bytes;
-  info->irradiance_bytes = shapes[OLX_CHUNK_IRRADIANCE].size_bytes;
-  info->moments_bytes = shapes[OLX_CHUNK_MOMENTS].size_bytes;
+  info->bytes.file = field->size_bytes;
+  info->bytes.radiance = shapes[OLX_CHUNK_RADIANCE].size_bytes;
+  info->bytes.normal = info->maps.geometry_blocks ? 0 : shapes[OLX_CHUNK_NORMAL].size_bytes;
+  if (info->maps.geometry_blocks) info->bytes.geometry = shapes[OLX_CHUNK_DISTANCE].size_bytes;
+  else info->bytes.distance = shapes[OLX_CHUNK_DISTANCE].size_bytes;
+  info->bytes.pyramid = shapes[OLX_CHUNK_LEAST].size_bytes + shapes[OLX_CHUNK_GREATEST].size_bytes;
+  info->bytes.irradiance = shapes[OLX_CHUNK_IRRADIANCE].size_bytes;
+  info->bytes.moments = shapes[OLX_CHUNK_MOMENTS].size_bytes;
   field->probe_positions = data[OLX_CHUNK_PROBE_POSITIONS];
   field->probe_flags = data[OLX_CHUNK_PROBE_FLAGS];
   field->irradiance_positions = data[OLX_CHUNK_IRRADIANCE_POSITIONS];
   field->irradiance_flags = data[OLX_CHUNK_IRRADIANCE_FLAGS];
-  field->n = info->radiance_size;
+  field->n = info->maps.size;
   field->stride = field->n + 2;
   field->texels = (size_t)field->stride * field->stride;
   field->radiance = data[OLX_CHUNK_RADIANCE];
   field->normal = data[OLX_CHUNK_NORMAL];
-  if (info->geometry_blocks) field->geometry = data[OLX_CHUNK_DISTANCE];
+  if (info->maps.geometry_blocks) field->geometry = data[OLX_CHUNK_DISTANCE];
   else field->distance = data[OLX_CHUNK_DISTANCE];
-  field->pyramid = olx_pyramid_shape_of(field->n, info->geometry_blocks);
+  field->pyramid = olx_pyramid_shape_of(field->n, info->maps.geometry_blocks);
   field->least = data[OLX_CHUNK_LEAST];
   field->greatest = data[OLX_CHUNK_GREATEST];
-  field->irradiance_n = info->irradiance_size;
+  field->irradiance_n = info->irradiance.size;
   field->irradiance_stride = field->irradiance_n + 2;
   field->irradiance_texels = (size_t)field->irradiance_stride * field->irradiance_stride;
-  field->bands = olx_irradiance_bands(info->irradiance_form);
+  field->bands = olx_irradiance_bands(info->irradiance.form);
   field->harmonic_halves = olx_harmonics_halves(field->bands);
   if (field->bands) field->harmonics = data[OLX_CHUNK_IRRADIANCE];
   else field->irradiance = data[OLX_CHUNK_IRRADIANCE];
   field->moments = data[OLX_CHUNK_MOMENTS];
-  field->surfaces = info->compressed ? (olx_field_surfaces){.base_blocks = data[OLX_CHUNK_BASE],
-                                                            .specular_blocks = data[OLX_CHUNK_SPECULAR],
-                                                            .direct_blocks = data[OLX_CHUNK_DIRECT],
-                                                            .indirect_blocks = data[OLX_CHUNK_INDIRECT]}
-                                     : (olx_field_surfaces){.base = data[OLX_CHUNK_BASE],
-                                                            .specular = data[OLX_CHUNK_SPECULAR],
-                                                            .direct = data[OLX_CHUNK_DIRECT],
-                                                            .indirect = data[OLX_CHUNK_INDIRECT]};
+  field->surfaces = info->maps.compressed ? (olx_field_surfaces){.base_blocks = data[OLX_CHUNK_BASE],
+                                                                 .specular_blocks = data[OLX_CHUNK_SPECULAR],
+                                                                 .direct_blocks = data[OLX_CHUNK_DIRECT],
+                                                                 .indirect_blocks = data[OLX_CHUNK_INDIRECT]}
+                                          : (olx_field_surfaces){.base = data[OLX_CHUNK_BASE],
+                                                                 .specular = data[OLX_CHUNK_SPECULAR],
+                                                                 .direct = data[OLX_CHUNK_DIRECT],
+                                                                 .indirect = data[OLX_CHUNK_INDIRECT]};
   field->surfaces.emission = data[OLX_CHUNK_EMISSION];
   field->surfaces.tile_side = field->n / OLX_EMISSION_TILE;
-  info->material_bytes = shapes[OLX_CHUNK_BASE].size_bytes + shapes[OLX_CHUNK_SPECULAR].size_bytes;
-  info->direct_bytes = shapes[OLX_CHUNK_DIRECT].size_bytes;
-  info->indirect_bytes = shapes[OLX_CHUNK_INDIRECT].size_bytes;
-  info->emission_bytes = shapes[OLX_CHUNK_EMISSION].size_bytes;
-  field->distance_scale = info->distance_scale_metres;
+  info->bytes.material = shapes[OLX_CHUNK_BASE].size_bytes + shapes[OLX_CHUNK_SPECULAR].size_bytes;
+  info->bytes.direct = shapes[OLX_CHUNK_DIRECT].size_bytes;
+  info->bytes.indirect = shapes[OLX_CHUNK_INDIRECT].size_bytes;
+  info->bytes.emission = shapes[OLX_CHUNK_EMISSION].size_bytes;
+  field->distance_scale = info->maps.distance_scale_metres;
   return OLX_OK;
 }
 
@@ -151,17 +151,18 @@ static olx_result check_structure(olx_field *field) {
   OLX_TRY(olx_field_info_read(&file, &field->info));
   OLX_TRY(find_chunks(field));
   const olx_field_info *info = &field->info;
-  OLX_TRY(olx_positions_check(field->probe_positions, info->probe_count, info->has_grid ? &info->grid : NULL,
-                              "light field", field->name, OLX_ERROR_FORMAT));
-  OLX_TRY(olx_positions_check(field->irradiance_positions, info->irradiance_probe_count, &info->irradiance_grid,
+  OLX_TRY(olx_positions_check(field->probe_positions, info->probes.count,
+                              info->probes.has_grid ? &info->probes.grid : NULL, "light field", field->name,
+                              OLX_ERROR_FORMAT));
+  OLX_TRY(olx_positions_check(field->irradiance_positions, info->irradiance.probe_count, &info->irradiance.grid,
                               "irradiance", field->name, OLX_ERROR_FORMAT));
   OLX_TRY(check_selectors(field));
   OLX_TRY(olx_surfaces_open(field));
   OLX_TRY(olx_classic_open(field));
   OLX_TRY(olx_field_volume_open(field));
   OLX_TRY(olx_relight_open(field));
-  OLX_TRY(check_flags(field, field->probe_flags, info->probe_count, info->buried_count, "light field"));
-  return check_flags(field, field->irradiance_flags, info->irradiance_probe_count, info->irradiance_buried_count,
+  OLX_TRY(check_flags(field, field->probe_flags, info->probes.count, info->probes.buried, "light field"));
+  return check_flags(field, field->irradiance_flags, info->irradiance.probe_count, info->irradiance.buried,
                      "irradiance");
 }
 
@@ -212,7 +213,7 @@ static olx_result describe_version_1(const olx_chunk_file *file, olx_field_info 
   kind.remedy = "";
   OLX_TRY(olx_chunk_file_check(file, &kind));
   OLX_TRY(olx_field_info_read(file, info));
-  info->file_bytes = file->size_bytes;
+  info->bytes.file = file->size_bytes;
   return OLX_OK;
 }
 
@@ -255,15 +256,15 @@ void olx_field_origin(const olx_field *field, double origin[3]) {
 
 olx_vec3 olx_field_probe_position(const olx_field *field, uint32_t index) {
   assert(field);
-  return index < field->info.probe_count ? field->probe_positions[index] : olx_splat(NAN);
+  return index < field->info.probes.count ? field->probe_positions[index] : olx_splat(NAN);
 }
 
 bool olx_field_probe_buried(const olx_field *field, uint32_t index) {
   assert(field);
-  return index >= field->info.probe_count || (field->probe_flags[index] & OLX_PROBE_BURIED) != 0;
+  return index >= field->info.probes.count || (field->probe_flags[index] & OLX_PROBE_BURIED) != 0;
 }
 
 bool olx_field_irradiance_probe_buried(const olx_field *field, uint32_t index) {
   assert(field);
-  return index >= field->info.irradiance_probe_count || (field->irradiance_flags[index] & OLX_PROBE_BURIED) != 0;
+  return index >= field->info.irradiance.probe_count || (field->irradiance_flags[index] & OLX_PROBE_BURIED) != 0;
 }

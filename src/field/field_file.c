@@ -9,50 +9,49 @@
 // Returns the row of a map of surfaces, stored as texels or as blocks.
 static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type, uint32_t texel_bytes,
                                  uint32_t block_type, uint32_t block_bytes) {
-  const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
-  return info->compressed ? (olx_chunk_row){block_type, block_bytes, side * side, info->probe_count}
-                          : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probe_count};
+  const uint64_t stride = info->maps.size + 2, side = info->maps.size / OLX_BLOCK_SIDE;
+  return info->maps.compressed ? (olx_chunk_row){block_type, block_bytes, side * side, info->probes.count}
+                               : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probes.count};
 }
 
 // Returns the row of the geometry chunk: distances of texels, or blocks.
 static olx_chunk_row geometry_row(const olx_field_info *info) {
-  const uint64_t stride = info->radiance_size + 2, side = info->radiance_size / OLX_BLOCK_SIDE;
-  return info->geometry_blocks
+  const uint64_t stride = info->maps.size + 2, side = info->maps.size / OLX_BLOCK_SIDE;
+  return info->maps.geometry_blocks
              ? (olx_chunk_row){OLX_FOUR_CC('G', 'E', 'O', 'M'), sizeof(olx_geometry_block), side * side,
-                               info->probe_count}
-             : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride, info->probe_count};
+                               info->probes.count}
+             : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride, info->probes.count};
 }
 
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
-  const uint64_t side = info->radiance_size + 2, texels = side * side;
-  const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probe_count : 0;
-  const uint64_t irradiance_side = info->irradiance_size + 2, irradiance_texels = irradiance_side * irradiance_side;
-  const uint32_t bands = olx_irradiance_bands(info->irradiance_form);
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->radiance_size, info->geometry_blocks);
-  const uint32_t classic = info->classic_size, classic_probes = classic ? info->irradiance_probe_count : 0;
+  const uint64_t side = info->maps.size + 2, texels = side * side;
+  const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probes.count : 0;
+  const uint64_t irradiance_side = info->irradiance.size + 2, irradiance_texels = irradiance_side * irradiance_side;
+  const uint32_t bands = olx_irradiance_bands(info->irradiance.form);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->maps.size, info->maps.geometry_blocks);
+  const uint32_t classic = info->classic.size, classic_probes = classic ? info->irradiance.probe_count : 0;
   const uint64_t classic_side = classic + 2;
-  const uint64_t tiles =
-      (uint64_t)(info->radiance_size / OLX_EMISSION_TILE) * (info->radiance_size / OLX_EMISSION_TILE);
+  const uint64_t tiles = (uint64_t)(info->maps.size / OLX_EMISSION_TILE) * (info->maps.size / OLX_EMISSION_TILE);
   const olx_chunk_row table[OLX_CHUNK_KINDS] = {
       [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
-      [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probe_count},
-      [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probe_count},
+      [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probes.count},
+      [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probes.count},
       [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, radiance_maps},
-      [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probe_count},
+      [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probes.count},
       [OLX_CHUNK_DISTANCE] = geometry_row(info),
-      [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probe_count},
-      [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probe_count},
-      [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance_probe_count},
-      [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance_probe_count},
+      [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probes.count},
+      [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probes.count},
+      [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance.probe_count},
+      [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance.probe_count},
       [OLX_CHUNK_IRRADIANCE] = {bands ? OLX_FOUR_CC('I', 'R', 'S', 'H') : OLX_FOUR_CC('I', 'R', 'R', 'A'),
                                 bands ? 2 : 4, bands ? olx_harmonics_halves(bands) : irradiance_texels,
-                                info->irradiance_probe_count},
-      [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance_probe_count},
+                                info->irradiance.probe_count},
+      [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance.probe_count},
       [OLX_CHUNK_BASE] = surface_row(info, OLX_FOUR_CC('B', 'A', 'S', 'E'), 4, OLX_FOUR_CC('B', 'A', 'S', '1'), 8),
       [OLX_CHUNK_SPECULAR] = surface_row(info, OLX_FOUR_CC('S', 'P', 'E', 'C'), 2, OLX_FOUR_CC('R', 'E', 'F', '5'), 16),
       [OLX_CHUNK_DIRECT] = surface_row(info, OLX_FOUR_CC('D', 'I', 'R', 'E'), 4, OLX_FOUR_CC('D', 'I', 'R', '6'), 16),
       [OLX_CHUNK_INDIRECT] = surface_row(info, OLX_FOUR_CC('I', 'N', 'D', 'I'), 4, OLX_FOUR_CC('I', 'N', 'D', '6'), 16),
-      [OLX_CHUNK_EMISSION] = {OLX_FOUR_CC('E', 'M', 'I', 'S'), 4, tiles, info->probe_count},
+      [OLX_CHUNK_EMISSION] = {OLX_FOUR_CC('E', 'M', 'I', 'S'), 4, tiles, info->probes.count},
       [OLX_CHUNK_LIGHTS] = {OLX_FOUR_CC('L', 'I', 'T', 'E'), sizeof(olx_field_light), 1, 0},
       [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
       [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
@@ -64,8 +63,8 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
                                       olx_classic_first(classic, OLX_CLASSIC_LEVELS), classic_probes},
       [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
       [OLX_CHUNK_VOLUME] = {OLX_FOUR_CC('V', 'O', 'L', 'U'), 1, 0, 1},
-      [OLX_CHUNK_VOLUME_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->volume_probe_count},
-      [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume_probe_count},
+      [OLX_CHUNK_VOLUME_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->volume.probe_count},
+      [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume.probe_count},
       [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
       [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
       [OLX_CHUNK_PLANES] = {OLX_FOUR_CC('P', 'L', 'A', 'N'), sizeof(olx_plane_code), 1, 0},
@@ -95,50 +94,49 @@ static olx_grid load_grid(const olx_file_grid *stored) {
 }
 
 olx_file_info olx_field_info_store(const olx_field_info *info) {
-  olx_file_info stored = {.probe_count = info->probe_count,
-                          .irradiance_probe_count = info->irradiance_probe_count,
-                          .buried_count = info->buried_count,
-                          .irradiance_buried_count = info->irradiance_buried_count,
-                          .has_grid = info->has_grid,
-                          .radiance_size = info->radiance_size,
-                          .irradiance_size = info->irradiance_size,
-                          .irradiance_form = info->irradiance_form,
+  olx_file_info stored = {.probe_count = info->probes.count,
+                          .irradiance_probe_count = info->irradiance.probe_count,
+                          .buried_count = info->probes.buried,
+                          .irradiance_buried_count = info->irradiance.buried,
+                          .has_grid = info->probes.has_grid,
+                          .radiance_size = info->maps.size,
+                          .irradiance_size = info->irradiance.size,
+                          .irradiance_form = info->irradiance.form,
                           .select_mask = info->select_mask,
-                          .bounces = info->bounces,
-                          .samples = info->samples,
-                          .distance_scale = info->distance_scale_metres,
-                          .irradiance_grid = store_grid(&info->irradiance_grid),
-                          .scene_hash = info->scene_hash,
-                          .last_bounce = info->last_bounce,
-                          .form = (info->compressed ? OLX_FORM_SURFACES : 0u) |
-                                  (info->geometry_blocks ? OLX_FORM_GEOMETRY : 0u)};
-  if (info->has_grid) stored.grid = store_grid(&info->grid);
-  olx_store3(stored.scene_min, info->scene_min);
-  olx_store3(stored.scene_max, info->scene_max);
+                          .bounces = info->bounces.count,
+                          .samples = info->maps.samples,
+                          .distance_scale = info->maps.distance_scale_metres,
+                          .irradiance_grid = store_grid(&info->irradiance.grid),
+                          .scene_hash = info->scene.hash,
+                          .last_bounce = info->bounces.last,
+                          .form = (info->maps.compressed ? OLX_FORM_SURFACES : 0u) |
+                                  (info->maps.geometry_blocks ? OLX_FORM_GEOMETRY : 0u)};
+  if (info->probes.has_grid) stored.grid = store_grid(&info->probes.grid);
+  olx_store3(stored.scene_min, info->scene.bounds_min);
+  olx_store3(stored.scene_max, info->scene.bounds_max);
   return stored;
 }
 
 olx_field_info olx_field_info_load(const olx_file_info *stored) {
-  return (olx_field_info){.probe_count = stored->probe_count,
-                          .irradiance_probe_count = stored->irradiance_probe_count,
-                          .buried_count = stored->buried_count,
-                          .irradiance_buried_count = stored->irradiance_buried_count,
-                          .has_grid = stored->has_grid != 0,
-                          .grid = load_grid(&stored->grid),
-                          .irradiance_grid = load_grid(&stored->irradiance_grid),
-                          .radiance_size = stored->radiance_size,
-                          .irradiance_size = stored->irradiance_size,
-                          .irradiance_form = (olx_irradiance_form)stored->irradiance_form,
+  return (olx_field_info){.probes = {.count = stored->probe_count,
+                                     .buried = stored->buried_count,
+                                     .has_grid = stored->has_grid != 0,
+                                     .grid = load_grid(&stored->grid)},
+                          .maps = {.size = stored->radiance_size,
+                                   .samples = stored->samples,
+                                   .distance_scale_metres = stored->distance_scale,
+                                   .compressed = (stored->form & OLX_FORM_SURFACES) != 0,
+                                   .geometry_blocks = (stored->form & OLX_FORM_GEOMETRY) != 0},
+                          .irradiance = {.probe_count = stored->irradiance_probe_count,
+                                         .buried = stored->irradiance_buried_count,
+                                         .grid = load_grid(&stored->irradiance_grid),
+                                         .size = stored->irradiance_size,
+                                         .form = (olx_irradiance_form)stored->irradiance_form},
                           .select_mask = stored->select_mask,
-                          .distance_scale_metres = stored->distance_scale,
-                          .scene_min = olx_load3(stored->scene_min),
-                          .scene_max = olx_load3(stored->scene_max),
-                          .bounces = stored->bounces,
-                          .samples = stored->samples,
-                          .scene_hash = stored->scene_hash,
-                          .last_bounce = stored->last_bounce,
-                          .compressed = (stored->form & OLX_FORM_SURFACES) != 0,
-                          .geometry_blocks = (stored->form & OLX_FORM_GEOMETRY) != 0};
+                          .bounces = {.count = stored->bounces, .last = stored->last_bounce},
+                          .scene = {.bounds_min = olx_load3(stored->scene_min),
+                                    .bounds_max = olx_load3(stored->scene_max),
+                                    .hash = stored->scene_hash}};
 }
 
 static bool is_power_of_two_in(uint32_t size, uint32_t low, uint32_t high) {
@@ -150,18 +148,18 @@ static bool is_length(float f) { return fabsf(f) <= OLX_FIELD_MAX_LENGTH; }
 static bool is_place(olx_vec3 v) { return is_length(v.x) && is_length(v.y) && is_length(v.z); }
 
 olx_result olx_classic_info_check(const olx_field_info *info, const char *name, olx_result failure) {
-  if (!info->irradiance_probe_count) return olx_fail(failure, "%s: classic maps, but no irradiance probes", name);
-  if (!is_power_of_two_in(info->classic_size, OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST)) {
-    return olx_fail(failure, "%s: classic size %u is not a power of two in %d..%d", name, info->classic_size,
+  if (!info->irradiance.probe_count) return olx_fail(failure, "%s: classic maps, but no irradiance probes", name);
+  if (!is_power_of_two_in(info->classic.size, OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST)) {
+    return olx_fail(failure, "%s: classic size %u is not a power of two in %d..%d", name, info->classic.size,
                     OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST);
   }
-  if (!is_power_of_two_in(info->classic_cube_size, OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST)) {
-    return olx_fail(failure, "%s: cube maps of %u texels: not a power of two in %d..%d", name, info->classic_cube_size,
+  if (!is_power_of_two_in(info->classic.cube_size, OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: cube maps of %u texels: not a power of two in %d..%d", name, info->classic.cube_size,
                     OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST);
   }
-  if (!(info->classic_sharpness >= (float)OLX_CLASSIC_SHARPNESS_LEAST &&
-        info->classic_sharpness <= (float)OLX_CLASSIC_SHARPNESS_MOST)) {
-    return olx_fail(failure, "%s: classic sharpness %g is not in %d..%d", name, (double)info->classic_sharpness,
+  if (!(info->classic.sharpness >= (float)OLX_CLASSIC_SHARPNESS_LEAST &&
+        info->classic.sharpness <= (float)OLX_CLASSIC_SHARPNESS_MOST)) {
+    return olx_fail(failure, "%s: classic sharpness %g is not in %d..%d", name, (double)info->classic.sharpness,
                     OLX_CLASSIC_SHARPNESS_LEAST, OLX_CLASSIC_SHARPNESS_MOST);
   }
   return OLX_OK;
@@ -193,56 +191,56 @@ static olx_result check_grid(const olx_grid *grid, uint32_t probe_count, const c
 }
 
 static olx_result check_sizes(const olx_field_info *info, const char *name, olx_result failure) {
-  if (!is_power_of_two_in(info->radiance_size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST)) {
-    return olx_fail(failure, "%s: radiance size %u is not a power of two in %d..%d", name, info->radiance_size,
+  if (!is_power_of_two_in(info->maps.size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: radiance size %u is not a power of two in %d..%d", name, info->maps.size,
                     OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST);
   }
-  if (info->probe_count < 1) return olx_fail(failure, "%s: no light field probes", name);
-  if (info->buried_count > info->probe_count || info->irradiance_buried_count > info->irradiance_probe_count) {
+  if (info->probes.count < 1) return olx_fail(failure, "%s: no light field probes", name);
+  if (info->probes.buried > info->probes.count || info->irradiance.buried > info->irradiance.probe_count) {
     return olx_fail(failure, "%s: more probes are buried than there are", name);
   }
-  if (info->samples < 1) return olx_fail(failure, "%s: samples 0 is not at least 1", name);
+  if (info->maps.samples < 1) return olx_fail(failure, "%s: samples 0 is not at least 1", name);
   return OLX_OK;
 }
 
 // Checks that the fields for irradiance probes are 0 in a description without them.
 static olx_result check_no_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
   static const olx_grid none = {0};
-  const bool silent = info->irradiance_size == 0 && info->irradiance_form == 0 &&
-                      memcmp(&info->irradiance_grid, &none, sizeof none) == 0;
+  const bool silent = info->irradiance.size == 0 && info->irradiance.form == 0 &&
+                      memcmp(&info->irradiance.grid, &none, sizeof none) == 0;
   return silent ? OLX_OK : olx_fail(failure, "%s: a size, form or grid of irradiance probes, but none of them", name);
 }
 
 static olx_result check_irradiance_probes(const olx_field_info *info, const char *name, olx_result failure) {
-  if (!info->irradiance_probe_count) return check_no_irradiance_probes(info, name, failure);
-  if (!is_power_of_two_in(info->irradiance_size, OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST)) {
-    return olx_fail(failure, "%s: irradiance size %u is not a power of two in %d..%d", name, info->irradiance_size,
+  if (!info->irradiance.probe_count) return check_no_irradiance_probes(info, name, failure);
+  if (!is_power_of_two_in(info->irradiance.size, OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST)) {
+    return olx_fail(failure, "%s: irradiance size %u is not a power of two in %d..%d", name, info->irradiance.size,
                     OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST);
   }
-  if ((uint32_t)info->irradiance_form > OLX_IRRADIANCE_SH3) {
-    return olx_fail(failure, "%s: unknown form of irradiance %u", name, (uint32_t)info->irradiance_form);
+  if ((uint32_t)info->irradiance.form > OLX_IRRADIANCE_SH3) {
+    return olx_fail(failure, "%s: unknown form of irradiance %u", name, (uint32_t)info->irradiance.form);
   }
-  return check_grid(&info->irradiance_grid, info->irradiance_probe_count, "irradiance", name, failure);
+  return check_grid(&info->irradiance.grid, info->irradiance.probe_count, "irradiance", name, failure);
 }
 
 olx_result olx_field_info_check(const olx_field_info *info, const char *name, olx_result failure) {
   OLX_TRY(check_sizes(info, name, failure));
-  const float scale = info->distance_scale_metres;
+  const float scale = info->maps.distance_scale_metres;
   if (!(scale >= OLX_FIELD_MIN_SCALE && is_length(scale))) {
     return olx_fail(failure, "%s: distance scale %g is not in %g..%g", name, (double)scale, (double)OLX_FIELD_MIN_SCALE,
                     (double)OLX_FIELD_MAX_LENGTH);
   }
-  if (!(info->last_bounce >= 0.0f && info->last_bounce <= 1.0f)) {
-    return olx_fail(failure, "%s: a share of the last bounce of %g is not in 0..1", name, (double)info->last_bounce);
+  if (!(info->bounces.last >= 0.0f && info->bounces.last <= 1.0f)) {
+    return olx_fail(failure, "%s: a share of the last bounce of %g is not in 0..1", name, (double)info->bounces.last);
   }
-  const olx_vec3 low = info->scene_min, high = info->scene_max;
+  const olx_vec3 low = info->scene.bounds_min, high = info->scene.bounds_max;
   if (!is_place(low) || !is_place(high) || low.x > high.x || low.y > high.y || low.z > high.z) {
     return olx_fail(failure, "%s: scene bounds (%g %g %g) to (%g %g %g) are not a box", name, (double)low.x,
                     (double)low.y, (double)low.z, (double)high.x, (double)high.y, (double)high.z);
   }
-  if (info->has_grid) OLX_TRY(check_grid(&info->grid, info->probe_count, "light field", name, failure));
+  if (info->probes.has_grid) OLX_TRY(check_grid(&info->probes.grid, info->probes.count, "light field", name, failure));
   OLX_TRY(check_irradiance_probes(info, name, failure));
-  if ((info->select_mask & 1u << OLX_SELECT_CAGE) && !info->has_grid) {
+  if ((info->select_mask & 1u << OLX_SELECT_CAGE) && !info->probes.has_grid) {
     return olx_fail(failure, "%s: the cage selector needs light field probes on a grid", name);
   }
   return OLX_OK;

@@ -106,9 +106,9 @@ static inline bool olx_chunk_is_probe_light(olx_chunk_kind kind) {
 
 // Returns whether the description alone requires the chunk, which then is not flagged optional.
 static inline bool olx_chunk_is_required(const olx_field_info *info, olx_chunk_kind kind) {
-  if (olx_chunk_is_probe_light(kind)) return info->irradiance_probe_count > 0;
-  if (kind == OLX_CHUNK_NORMAL) return !info->geometry_blocks;
-  if (kind == OLX_CHUNK_PLANES) return info->geometry_blocks;
+  if (olx_chunk_is_probe_light(kind)) return info->irradiance.probe_count > 0;
+  if (kind == OLX_CHUNK_NORMAL) return !info->maps.geometry_blocks;
+  if (kind == OLX_CHUNK_PLANES) return info->maps.geometry_blocks;
   return kind < OLX_CHUNK_REQUIRED || kind == OLX_CHUNK_EMISSION_TILES;
 }
 

@@ -168,7 +168,7 @@ static olx_result check_surface_borders(const olx_field *field, uint32_t probe) 
 static olx_result check_probe(const olx_field *field, uint32_t probe) {
   OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
   OLX_TRY(field->geometry ? check_geometry(field, probe) : check_texels(field, probe));
-  if (!field->info.compressed) OLX_TRY(check_surface_borders(field, probe));
+  if (!field->info.maps.compressed) OLX_TRY(check_surface_borders(field, probe));
   return olx_surfaces_verify(field, probe);
 }
 
@@ -262,13 +262,13 @@ olx_result olx_field_verify(const olx_field *field) {
   OLX_TRY(check_all(field, check_chunk, header->chunk_count));
   if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
   if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_verify(field));
-  OLX_TRY(check_all(field, check_probe, field->info.probe_count));
-  if (field->radiance) OLX_TRY(check_all(field, check_radiance, field->info.probe_count));
-  OLX_TRY(check_all(field, check_irradiance, field->info.irradiance_probe_count));
+  OLX_TRY(check_all(field, check_probe, field->info.probes.count));
+  if (field->radiance) OLX_TRY(check_all(field, check_radiance, field->info.probes.count));
+  OLX_TRY(check_all(field, check_irradiance, field->info.irradiance.probe_count));
   if (field->classic.size) {
     OLX_TRY(check_classic_table(field));
-    OLX_TRY(check_all(field, check_classic, field->info.irradiance_probe_count));
+    OLX_TRY(check_all(field, check_classic, field->info.irradiance.probe_count));
   }
-  if (field->volume.header) OLX_TRY(check_all(field, olx_volume_verify, field->info.volume_probe_count));
+  if (field->volume.header) OLX_TRY(check_all(field, olx_volume_verify, field->info.volume.probe_count));
   return OLX_OK;
 }

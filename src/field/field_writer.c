@@ -40,7 +40,7 @@ static void find_present(const olx_field_header *header, olx_field_layout *layou
     layout->present[kind] = (info->select_mask & 1u << select) != 0;
     layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = header->select_bytes[select];
   }
-  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic_size > 0;
+  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic.size > 0;
   layout->present[OLX_CHUNK_RELIGHT] = header->relight;
   for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++) layout->present[k] = header->volume_bytes > 0;
   layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
@@ -52,7 +52,7 @@ void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout)
   olx_chunk_shapes(&header->info, layout->shapes);
   find_present(header, layout);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->chunk_count += layout->present[k];
-  const bool on_device = header->info.irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL;
+  const bool on_device = header->info.irradiance.form == OLX_IRRADIANCE_OCTAHEDRAL;
   uint64_t end = sizeof(olx_file_header) + layout->chunk_count * sizeof(olx_file_chunk);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
     if (!layout->present[k]) continue;
@@ -68,27 +68,27 @@ static olx_result allocate_buffers(olx_field_writer *writer, const olx_field_hea
   const olx_chunk_shape *shapes = writer->layout.shapes;
   const uint64_t radiance = shapes[OLX_CHUNK_RADIANCE].record_bytes,
                  irradiance = shapes[OLX_CHUNK_MOMENTS].record_bytes;
-  const uint64_t classic = writer->info.classic_size ? shapes[OLX_CHUNK_CLASSIC_IRRADIANCE].record_bytes : 0;
+  const uint64_t classic = writer->info.classic.size ? shapes[OLX_CHUNK_CLASSIC_IRRADIANCE].record_bytes : 0;
   const uint64_t most = radiance > irradiance ? radiance : irradiance;
   writer->map = olx_allocate(most > classic ? most : classic, 1);
   writer->least = olx_allocate(shapes[OLX_CHUNK_LEAST].record_bytes, 1);
   writer->greatest = olx_allocate(shapes[OLX_CHUNK_GREATEST].record_bytes, 1);
   writer->tile_index = olx_allocate(shapes[OLX_CHUNK_EMISSION].record_bytes, 1);
-  const size_t side = info->radiance_size / OLX_BLOCK_SIDE, blocks = info->geometry_blocks ? side * side : 1;
+  const size_t side = info->maps.size / OLX_BLOCK_SIDE, blocks = info->maps.geometry_blocks ? side * side : 1;
   writer->block_least = olx_allocate(blocks, sizeof *writer->block_least);
   writer->block_greatest = olx_allocate(blocks, sizeof *writer->block_greatest);
   writer->blocks = olx_allocate(blocks, sizeof *writer->blocks);
-  writer->probe_flags = olx_allocate(info->probe_count, 1);
-  writer->irradiance_flags = olx_allocate(info->irradiance_probe_count, 1);
-  writer->probe_positions = olx_allocate(info->probe_count, sizeof(olx_vec3));
-  writer->irradiance_positions = olx_allocate(info->irradiance_probe_count, sizeof(olx_vec3));
+  writer->probe_flags = olx_allocate(info->probes.count, 1);
+  writer->irradiance_flags = olx_allocate(info->irradiance.probe_count, 1);
+  writer->probe_positions = olx_allocate(info->probes.count, sizeof(olx_vec3));
+  writer->irradiance_positions = olx_allocate(info->irradiance.probe_count, sizeof(olx_vec3));
   if (!writer->map || !writer->least || !writer->greatest || !writer->tile_index || !writer->probe_flags ||
       !writer->irradiance_flags || !writer->probe_positions || !writer->irradiance_positions || !writer->block_least ||
       !writer->block_greatest || !writer->blocks) {
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   }
   memcpy(writer->probe_positions, header->probe_positions, shapes[OLX_CHUNK_PROBE_POSITIONS].size_bytes);
-  if (info->irradiance_probe_count) {
+  if (info->irradiance.probe_count) {
     memcpy(writer->irradiance_positions, header->irradiance_positions,
            shapes[OLX_CHUNK_IRRADIANCE_POSITIONS].size_bytes);
   }
@@ -137,11 +137,11 @@ static olx_result check_lights(const olx_field_header *header, const char *path)
 
 static olx_result put_classic_header(olx_field_writer *writer, const olx_field_header *header) {
   if (!writer->layout.present[OLX_CHUNK_CLASSIC]) return OLX_OK;
-  olx_classic_header classic = {.size = header->info.classic_size,
-                                .cube_size = header->info.classic_cube_size,
+  olx_classic_header classic = {.size = header->info.classic.size,
+                                .cube_size = header->info.classic.cube_size,
                                 .levels = OLX_CLASSIC_LEVELS,
                                 .table_side = OLX_CLASSIC_TABLE_SIDE,
-                                .sharpness = header->info.classic_sharpness};
+                                .sharpness = header->info.classic.sharpness};
   memcpy(classic.table, header->classic_table, sizeof classic.table);
   return put_whole(writer, OLX_CHUNK_CLASSIC, &classic);
 }
@@ -151,9 +151,9 @@ static olx_result check_volume(const olx_field_header *header, const char *path)
   olx_volume volume;
   if (header->volume_bytes == 0) return OLX_OK;
   OLX_TRY(olx_volume_open(header->volume, header->volume_bytes, path, &volume));
-  if (volume.header->probes != header->info.volume_probe_count) {
+  if (volume.header->probes != header->info.volume.probe_count) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: a volume of %u probes, not %u", path, volume.header->probes,
-                    header->info.volume_probe_count);
+                    header->info.volume.probe_count);
   }
   return olx_positions_check(header->volume_positions, volume.header->probes, NULL, "volume", path, OLX_ERROR_ARGUMENT);
 }
@@ -168,14 +168,15 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   assert(path && header && created);
   *created = NULL;
   olx_field_info info = header->info;
-  info.buried_count = info.irradiance_buried_count = 0;
+  info.probes.buried = info.irradiance.buried = 0;
   OLX_TRY(olx_field_info_check(&info, path, OLX_ERROR_ARGUMENT));
   OLX_TRY(check_lights(header, path));
   OLX_TRY(check_volume(header, path));
-  if (info.classic_size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
-  OLX_TRY(olx_positions_check(header->probe_positions, info.probe_count, info.has_grid ? &info.grid : NULL,
-                              "light field", path, OLX_ERROR_ARGUMENT));
-  OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance_probe_count, &info.irradiance_grid,
+  if (info.classic.size) OLX_TRY(olx_classic_info_check(&info, path, OLX_ERROR_ARGUMENT));
+  OLX_TRY(olx_positions_check(header->probe_positions, info.probes.count,
+                              info.probes.has_grid ? &info.probes.grid : NULL, "light field", path,
+                              OLX_ERROR_ARGUMENT));
+  OLX_TRY(olx_positions_check(header->irradiance_positions, info.irradiance.probe_count, &info.irradiance.grid,
                               "irradiance", path, OLX_ERROR_ARGUMENT));
   olx_field_writer *writer = olx_allocate_zero(1, sizeof *writer);
   if (!writer) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
@@ -238,7 +239,7 @@ static olx_result refuse_order(const olx_field_writer *writer, const char *kind,
 }
 
 static olx_result put_pyramid(olx_field_writer *writer, uint32_t index, const olx_pyramid_base *base) {
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(writer->info.radiance_size, writer->info.geometry_blocks);
+  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(writer->info.maps.size, writer->info.maps.geometry_blocks);
   olx_pyramid_make(&pyramid, base, writer->least, writer->greatest);
   OLX_TRY(put(writer, OLX_CHUNK_LEAST, index, writer->least));
   return put(writer, OLX_CHUNK_GREATEST, index, writer->greatest);
@@ -246,7 +247,7 @@ static olx_result put_pyramid(olx_field_writer *writer, uint32_t index, const ol
 
 static olx_result put_texels(olx_field_writer *writer, uint32_t index, const uint16_t *normal,
                              const uint16_t *distance) {
-  const uint32_t n = writer->info.radiance_size;
+  const uint32_t n = writer->info.maps.size;
   OLX_TRY(put_map(writer, OLX_CHUNK_NORMAL, index, normal, n));
   OLX_TRY(put_map(writer, OLX_CHUNK_DISTANCE, index, distance, n));
   const olx_pyramid_base base = olx_pyramid_over_texels(distance, n);
@@ -272,39 +273,39 @@ static olx_result append_planes(olx_field_writer *writer, const olx_plane_pool *
 
 // Writes the blocks of a map with plane numbers that count from the start of the file's pool instead of the map's.
 static olx_result put_blocks(olx_field_writer *writer, uint32_t index, const olx_geometry_map *geometry) {
-  const uint32_t n = writer->info.radiance_size, side = n / OLX_BLOCK_SIDE;
+  const uint32_t n = writer->info.maps.size, side = n / OLX_BLOCK_SIDE;
   for (uint32_t i = 0; i < side * side; i++) {
     writer->blocks[i] = geometry->blocks[i];
     if (writer->blocks[i].words[3] >> 30 == OLX_GEOMETRY_POOL) writer->blocks[i].words[0] += writer->plane_count;
   }
   OLX_TRY(put(writer, OLX_CHUNK_DISTANCE, index, writer->blocks));
   OLX_TRY(append_planes(writer, &geometry->pool));
-  const olx_pyramid_base base = olx_pyramid_over_blocks(geometry, n, writer->info.distance_scale_metres,
+  const olx_pyramid_base base = olx_pyramid_over_blocks(geometry, n, writer->info.maps.distance_scale_metres,
                                                         writer->block_least, writer->block_greatest);
   return put_pyramid(writer, index, &base);
 }
 
 static olx_result check_next_probe(const olx_field_writer *writer, uint32_t index, bool radiance, bool blocks) {
-  if (index != writer->probes_written || index >= writer->info.probe_count) {
+  if (index != writer->probes_written || index >= writer->info.probes.count) {
     return refuse_order(writer, "light field", index, writer->probes_written);
   }
   if (radiance != writer->layout.present[OLX_CHUNK_RADIANCE]) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: light field probe %u: radiance goes with irradiance probes",
                     writer->file.path, index);
   }
-  if (blocks == writer->info.geometry_blocks) return OLX_OK;
+  if (blocks == writer->info.maps.geometry_blocks) return OLX_OK;
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: light field probe %u: geometry in another form than the header says",
                   writer->file.path, index);
 }
 
 static olx_result write_radiance(olx_field_writer *writer, uint32_t index, const uint32_t *radiance) {
-  return radiance ? put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, writer->info.radiance_size) : OLX_OK;
+  return radiance ? put_map(writer, OLX_CHUNK_RADIANCE, index, radiance, writer->info.maps.size) : OLX_OK;
 }
 
 static olx_result end_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, olx_result result) {
   writer->failed |= result != OLX_OK;
   writer->probe_flags[index] = flags;
-  writer->info.buried_count += flags & OLX_PROBE_BURIED;
+  writer->info.probes.buried += flags & OLX_PROBE_BURIED;
   writer->probes_written++;
   return result;
 }
@@ -342,7 +343,7 @@ static olx_result put_tile(olx_field_writer *writer, const uint32_t tile[OLX_EMI
 }
 
 static olx_result put_emission(olx_field_writer *writer, uint32_t index, const uint32_t *emission) {
-  const uint32_t n = writer->info.radiance_size, side = n / OLX_EMISSION_TILE;
+  const uint32_t n = writer->info.maps.size, side = n / OLX_EMISSION_TILE;
   for (uint32_t i = 0; i < side * side; i++) {
     uint32_t tile[OLX_EMISSION_TILE_TEXELS];
     const uint32_t *corner = emission + (size_t)(i / side * OLX_EMISSION_TILE) * n + i % side * OLX_EMISSION_TILE;
@@ -355,8 +356,8 @@ static olx_result put_emission(olx_field_writer *writer, uint32_t index, const u
 }
 
 static olx_result put_surface(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *map) {
-  return writer->info.compressed ? put(writer, kind, index, map)
-                                 : put_map(writer, kind, index, map, writer->info.radiance_size);
+  return writer->info.maps.compressed ? put(writer, kind, index, map)
+                                      : put_map(writer, kind, index, map, writer->info.maps.size);
 }
 
 static olx_result write_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
@@ -368,7 +369,7 @@ static olx_result write_surface(olx_field_writer *writer, uint32_t index, const 
 }
 
 olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
-  if (index != writer->surfaces_written || index >= writer->info.probe_count) {
+  if (index != writer->surfaces_written || index >= writer->info.probes.count) {
     return refuse_order(writer, "surfaces of", index, writer->surfaces_written);
   }
   const olx_result result = write_surface(writer, index, maps);
@@ -379,8 +380,8 @@ olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, co
 
 static olx_result write_irradiance(olx_field_writer *writer, uint32_t index, const void *irradiance,
                                    const uint32_t *moments) {
-  const uint32_t n = writer->info.irradiance_size;
-  const bool map = writer->info.irradiance_form == OLX_IRRADIANCE_OCTAHEDRAL;
+  const uint32_t n = writer->info.irradiance.size;
+  const bool map = writer->info.irradiance.form == OLX_IRRADIANCE_OCTAHEDRAL;
   OLX_TRY(map ? put_map(writer, OLX_CHUNK_IRRADIANCE, index, irradiance, n)
               : put(writer, OLX_CHUNK_IRRADIANCE, index, irradiance));
   return put_map(writer, OLX_CHUNK_MOMENTS, index, moments, n);
@@ -388,13 +389,13 @@ static olx_result write_irradiance(olx_field_writer *writer, uint32_t index, con
 
 olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags, const void *irradiance,
                                        const uint32_t *moments) {
-  if (index != writer->irradiance_written || index >= writer->info.irradiance_probe_count) {
+  if (index != writer->irradiance_written || index >= writer->info.irradiance.probe_count) {
     return refuse_order(writer, "irradiance", index, writer->irradiance_written);
   }
   const olx_result result = write_irradiance(writer, index, irradiance, moments);
   writer->failed |= result != OLX_OK;
   writer->irradiance_flags[index] = flags;
-  writer->info.irradiance_buried_count += flags & OLX_PROBE_BURIED;
+  writer->info.irradiance.buried += flags & OLX_PROBE_BURIED;
   writer->irradiance_written++;
   return result;
 }
@@ -404,7 +405,7 @@ static olx_result put_levels(olx_field_writer *writer, uint32_t index, const uin
   const uint64_t record = writer->layout.shapes[OLX_CHUNK_CLASSIC_RADIANCE].record_bytes;
   uint64_t offset = writer->layout.offsets[OLX_CHUNK_CLASSIC_RADIANCE] + index * record;
   for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
-    const uint32_t side = olx_classic_side(writer->info.classic_size, level);
+    const uint32_t side = olx_classic_side(writer->info.classic.size, level);
     const uint64_t size_bytes = (uint64_t)(side + 2) * (side + 2) * sizeof(uint32_t);
     const void *map = add_border(writer, levels[level], side, sizeof(uint32_t));
     XXH3_64bits_update(&writer->hashes[OLX_CHUNK_CLASSIC_RADIANCE], map, size_bytes);
@@ -415,14 +416,14 @@ static olx_result put_levels(olx_field_writer *writer, uint32_t index, const uin
 }
 
 static olx_result write_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record) {
-  const uint32_t size = writer->info.classic_size;
+  const uint32_t size = writer->info.classic.size;
   OLX_TRY(put_map(writer, OLX_CHUNK_CLASSIC_IRRADIANCE, index, record->irradiance, size));
   OLX_TRY(put_levels(writer, index, record->radiance));
   return put(writer, OLX_CHUNK_CLASSIC_BOXES, index, &record->box);
 }
 
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record) {
-  if (index != writer->classic_written || index >= writer->info.irradiance_probe_count) {
+  if (index != writer->classic_written || index >= writer->info.irradiance.probe_count) {
     return refuse_order(writer, "classic", index, writer->classic_written);
   }
   const olx_result result = write_classic(writer, index, record);
@@ -457,7 +458,7 @@ static void end_probes(olx_field_writer *writer) {
 
 olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes) {
   if (!writer->layout.present[OLX_CHUNK_RELIGHT] || writer->relight_written ||
-      writer->surfaces_written != writer->info.probe_count) {
+      writer->surfaces_written != writer->info.probes.count) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: relighting that the header does not have, twice, or before the last surfaces",
                     writer->file.path);
   }
@@ -478,12 +479,12 @@ static olx_result write_frame(olx_field_writer *writer) {
   OLX_TRY(put_whole(writer, OLX_CHUNK_INFO, &info));
   OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_POSITIONS, writer->probe_positions));
   OLX_TRY(put_whole(writer, OLX_CHUNK_PROBE_FLAGS, writer->probe_flags));
-  if (writer->info.irradiance_probe_count) {
+  if (writer->info.irradiance.probe_count) {
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_POSITIONS, writer->irradiance_positions));
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
   }
   end_probes(writer);
-  if (writer->info.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes));
+  if (writer->info.maps.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes));
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];
@@ -504,26 +505,26 @@ static olx_result write_frame(olx_field_writer *writer) {
 }
 
 void olx_field_writer_last_bounce(olx_field_writer *writer, float share) {
-  writer->info.last_bounce = olx_clamp(share, 0.0f, 1.0f);
+  writer->info.bounces.last = olx_clamp(share, 0.0f, 1.0f);
 }
 
 olx_result olx_field_writer_commit(olx_field_writer *writer, uint64_t *file_bytes) {
   olx_result result = OLX_OK;
   if (writer->failed) {
     result = olx_fail(OLX_ERROR_FILE, "%s: not written, because writing a probe failed", writer->file.path);
-  } else if (writer->probes_written != writer->info.probe_count ||
-             writer->irradiance_written != writer->info.irradiance_probe_count) {
+  } else if (writer->probes_written != writer->info.probes.count ||
+             writer->irradiance_written != writer->info.irradiance.probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: %u of %u light field probes and %u of %u irradiance probes written",
-                      writer->file.path, writer->probes_written, writer->info.probe_count, writer->irradiance_written,
-                      writer->info.irradiance_probe_count);
-  } else if (writer->surfaces_written != writer->info.probe_count) {
+                      writer->file.path, writer->probes_written, writer->info.probes.count, writer->irradiance_written,
+                      writer->info.irradiance.probe_count);
+  } else if (writer->surfaces_written != writer->info.probes.count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of %u of %u light field probes written", writer->file.path,
-                      writer->surfaces_written, writer->info.probe_count);
+                      writer->surfaces_written, writer->info.probes.count);
   } else if (writer->layout.present[OLX_CHUNK_VOLUME] && !writer->volume_written) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: the irradiance of the volume was not written", writer->file.path);
-  } else if (writer->info.classic_size && writer->classic_written != writer->info.irradiance_probe_count) {
+  } else if (writer->info.classic.size && writer->classic_written != writer->info.irradiance.probe_count) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: classic maps of %u of %u irradiance probes written", writer->file.path,
-                      writer->classic_written, writer->info.irradiance_probe_count);
+                      writer->classic_written, writer->info.irradiance.probe_count);
   } else if (writer->layout.present[OLX_CHUNK_RELIGHT] && !writer->relight_written) {
     result = olx_fail(OLX_ERROR_ARGUMENT, "%s: what relighting needs was not written", writer->file.path);
   } else {

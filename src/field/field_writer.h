@@ -16,7 +16,7 @@ typedef struct olx_field_header {
   size_t select_bytes[OLX_SELECT_STORED];
   const olx_field_light *lights; // without area; NULL when there are none
   uint32_t light_count;
-  const void *volume; // the structure of the irradiance volume (field/volume_data.h), with info.volume_probe_count positions
+  const void *volume; // the structure of the irradiance volume (field/volume_data.h), of info.volume.probe_count probes
   size_t volume_bytes; // of the structure; 0 without a volume
   const olx_vec3 *volume_positions;
   bool relight; // the data for relighting will be written last; its size is not known before
@@ -61,8 +61,8 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
 
-// Writes the maps of one light field probe with its geometry in blocks, where info.geometry_blocks is set, in order of
-// index. Planes are copied.
+// Writes the maps of one light field probe with its geometry in blocks, where info.maps.geometry_blocks is set, in order
+// of index. Planes are copied.
 olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                          const olx_geometry_map *geometry);
 

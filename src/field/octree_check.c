@@ -6,7 +6,7 @@
 olx_result olx_octree_check(const olx_field *field) {
   const olx_octree_header *header = field->select_data[OLX_SELECT_OCTREE];
   const size_t size_bytes = field->select_bytes[OLX_SELECT_OCTREE];
-  const uint32_t probes = field->info.probe_count;
+  const uint32_t probes = field->info.probes.count;
   if (probes > OLX_MAX_CODED_PROBES) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: chunk OCTR: for at most %d probes, not %u", field->name,
                     OLX_MAX_CODED_PROBES, probes);
@@ -48,7 +48,7 @@ static olx_result verify_nodes(const olx_field *field, const olx_octree_header *
 olx_result olx_octree_verify(const olx_field *field) {
   const olx_octree_header *header = field->select_data[OLX_SELECT_OCTREE];
   OLX_TRY(verify_nodes(field, header));
-  const uint32_t probes = field->info.probe_count, leaves = 1 + 7 * header->inner_nodes;
+  const uint32_t probes = field->info.probes.count, leaves = 1 + 7 * header->inner_nodes;
   const void *codes = (const uint32_t *)(header + 1) + 1 + 8 * header->inner_nodes;
   for (size_t leaf = 0; leaf < leaves; leaf++) {
     uint32_t choices[OLX_CHOICES];

@@ -144,11 +144,11 @@ olx_result olx_relight_structure_open(const void *data, size_t size_bytes, const
 // Checks that light field maps and the volume are those for which the structure was built.
 static olx_result check_fit(const olx_field *field) {
   const olx_relight_header *h = field->relight.header;
-  const uint64_t side = field->n / OLX_RELIGHT_BLOCK, blocks = side * side * field->info.probe_count;
-  if (h->blocks != blocks || h->volume_probes != field->info.volume_probe_count) {
+  const uint64_t side = field->n / OLX_RELIGHT_BLOCK, blocks = side * side * field->info.probes.count;
+  if (h->blocks != blocks || h->volume_probes != field->info.volume.probe_count) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: chunk RLIT: %u blocks of texels and %u volume probes, not %llu and %u",
                     field->name, h->blocks, h->volume_probes, (unsigned long long)blocks,
-                    field->info.volume_probe_count);
+                    field->info.volume.probe_count);
   }
   return OLX_OK;
 }
@@ -161,8 +161,8 @@ olx_result olx_relight_open(olx_field *field) {
   const void *data = (const char *)field->data + chunk->offset;
   OLX_TRY(olx_relight_structure_open(data, chunk->size_bytes, field->name, &field->relight));
   OLX_TRY(check_fit(field));
-  field->info.relight_surfels = field->relight.header->surfels;
-  field->info.relight_links = field->relight.header->links;
-  field->info.relight_bytes = chunk->size_bytes;
+  field->info.relight.surfels = field->relight.header->surfels;
+  field->info.relight.links = field->relight.header->links;
+  field->info.bytes.relight = chunk->size_bytes;
   return OLX_OK;
 }

@@ -64,7 +64,7 @@ static inline const void *olx_voronoi_codes(const olx_field *field) {
 // Returns the offset of the k-d tree among the codes.
 static inline size_t olx_voronoi_tree(const olx_field *field) {
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
-  return (size_t)field->info.probe_count * header->size * header->size * OLX_CHOICES;
+  return (size_t)field->info.probes.count * header->size * header->size * OLX_CHOICES;
 }
 
 // Returns the middle of the probes from begin to end - 1.

@@ -53,15 +53,15 @@ olx_result olx_surfaces_open(olx_field *field) {
   if (field->geometry) {
     OLX_TRY(find_records(field, OLX_CHUNK_PLANES, UINT32_MAX - 1u, &planes, &field->planes.count));
     field->planes.planes = planes;
-    field->info.geometry_bytes += sizeof(olx_plane_code) * (uint64_t)field->planes.count;
+    field->info.bytes.geometry += sizeof(olx_plane_code) * (uint64_t)field->planes.count;
   }
   s->lights = lights;
   s->tiles = tiles;
   for (uint32_t i = 0; i < s->light_count; i++) {
     OLX_TRY(olx_field_light_check(&s->lights[i], i, field->name, OLX_ERROR_FORMAT));
   }
-  field->info.light_count = s->light_count;
-  field->info.emission_bytes += (uint64_t)s->tile_count * OLX_EMISSION_TILE_TEXELS * sizeof *s->tiles;
+  field->info.scene.light_count = s->light_count;
+  field->info.bytes.emission += (uint64_t)s->tile_count * OLX_EMISSION_TILE_TEXELS * sizeof *s->tiles;
   return OLX_OK;
 }
 
@@ -141,10 +141,10 @@ static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t ti
 }
 
 olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe) {
-  const uint32_t step = field->info.compressed ? OLX_BLOCK_SIDE : 1;
+  const uint32_t step = field->info.maps.compressed ? OLX_BLOCK_SIDE : 1;
   for (uint32_t y = 0; y < field->n; y += step) {
     for (uint32_t x = 0; x < field->n; x += step) {
-      OLX_TRY(field->info.compressed ? check_blocks(field, probe, x, y) : check_sky(field, probe, x, y));
+      OLX_TRY(field->info.maps.compressed ? check_blocks(field, probe, x, y) : check_sky(field, probe, x, y));
     }
   }
   const uint32_t side = field->surfaces.tile_side;

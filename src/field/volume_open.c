@@ -116,7 +116,7 @@ olx_result olx_field_volume_open(olx_field *field) {
   OLX_TRY(olx_chunk_find_optional(&file, shapes[OLX_CHUNK_VOLUME].type, &chunk));
   if (chunk) {
     OLX_TRY(olx_volume_open((const char *)field->data + chunk->offset, chunk->size_bytes, field->name, &field->volume));
-    field->info.volume_probe_count = field->volume.header->probes;
+    field->info.volume.probe_count = field->volume.header->probes;
     olx_chunk_shapes(&field->info, shapes);
   }
   const void *positions, *irradiance;
@@ -126,9 +126,9 @@ olx_result olx_field_volume_open(olx_field *field) {
   if (!chunk) return OLX_OK;
   field->volume.positions = positions;
   field->volume.irradiance = irradiance;
-  field->info.volume_bytes = chunk->size_bytes + shapes[OLX_CHUNK_VOLUME_POSITIONS].size_bytes +
+  field->info.bytes.volume = chunk->size_bytes + shapes[OLX_CHUNK_VOLUME_POSITIONS].size_bytes +
                              shapes[OLX_CHUNK_VOLUME_IRRADIANCE].size_bytes;
-  return olx_positions_check(positions, field->info.volume_probe_count, NULL, "volume", field->name, OLX_ERROR_FORMAT);
+  return olx_positions_check(positions, field->info.volume.probe_count, NULL, "volume", field->name, OLX_ERROR_FORMAT);
 }
 
 olx_result olx_volume_verify(const olx_field *field, uint32_t probe) {

@@ -7,7 +7,7 @@
 olx_result olx_voronoi_check(const olx_field *field) {
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
   const size_t size_bytes = field->select_bytes[OLX_SELECT_VORONOI];
-  const uint32_t probes = field->info.probe_count;
+  const uint32_t probes = field->info.probes.count;
   if (probes > OLX_MAX_CODED_PROBES) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: chunk VORO: for at most %d probes, not %u", field->name,
                     OLX_MAX_CODED_PROBES, probes);
@@ -49,7 +49,7 @@ static bool is_split(const olx_field *field, const uint32_t *order, uint32_t beg
 }
 
 static olx_result verify_tree(const olx_field *field) {
-  const uint32_t count = field->info.probe_count, code_bytes = olx_probe_code_bytes(count);
+  const uint32_t count = field->info.probes.count, code_bytes = olx_probe_code_bytes(count);
   uint32_t *order = olx_allocate(count, sizeof *order);
   uint8_t *known = olx_allocate_zero(count, 1);
   olx_result result = OLX_OK;
@@ -71,7 +71,7 @@ static olx_result verify_tree(const olx_field *field) {
 
 olx_result olx_voronoi_verify(const olx_field *field) {
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
-  const uint32_t probes = field->info.probe_count, texels = header->size * header->size;
+  const uint32_t probes = field->info.probes.count, texels = header->size * header->size;
   const uint32_t code_bytes = olx_probe_code_bytes(probes);
   for (size_t i = 0; i < (size_t)probes * texels; i++) {
     const uint32_t probe = (uint32_t)(i / texels);

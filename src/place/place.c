@@ -59,8 +59,8 @@ const char *olx_probe_origin_name(olx_probe_origin origin) {
 }
 
 uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
-  const olx_field_info info = {
-      .probe_count = count, .radiance_size = resolution, .compressed = true, .geometry_blocks = true};
+  const olx_field_info info = {.probes.count = count,
+                               .maps = {.size = resolution, .compressed = true, .geometry_blocks = true}};
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   olx_chunk_shapes(&info, shapes);
   uint64_t bytes = olx_expected_extra_bytes(count, resolution);

@@ -94,7 +94,7 @@ static bool probe_sees_sky(const audit *a, uint32_t probe, olx_vec3 direction) {
 }
 
 static bool seen_by_some_probe(const audit *a, const olx_surface *hit, olx_vec3 direction) {
-  for (uint32_t probe = 0; probe < a->field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < a->field->info.probes.count; probe++) {
     if (a->field->probe_flags[probe] & OLX_PROBE_BURIED) continue;
     if (hit ? probe_sees(a, probe, hit) : probe_sees_sky(a, probe, direction)) return true;
   }
@@ -162,7 +162,7 @@ static void judge_point(void *user, uint32_t index) {
       .stored = light.probes > 0,
       .surface = light.irradiance,
       .probes = olx_irradiance(a->field, sample, point.position, s.shading_normal, point.view),
-      .truth = olx_path_surface_irradiance(a->scene, &s, a->field->info.bounces + 1, a->settings->spp,
+      .truth = olx_path_surface_irradiance(a->scene, &s, a->field->info.bounces.count + 1, a->settings->spp,
                                            olx_hash2(a->settings->seed, index), &rays),
   };
 }
@@ -271,7 +271,7 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
   }
   OLX_TRY(olx_sample_settings_check(field, &settings->sample));
   OLX_TRY(olx_render_check_origin(scene, field));
-  if (field->info.scene_hash != scene->hash) {
+  if (field->info.scene.hash != scene->hash) {
     olx_log(OLX_LOG_WARNING, "the field was baked from another scene, or from another version of this one");
   }
   audit a = {.scene = scene, .field = field, .settings = settings};
@@ -291,7 +291,7 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
     out->points = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, false);
     out->stored = sum_points(&a, POINTS_STORED, false);
     out->fallen_back = sum_points(&a, POINTS_FALLEN_BACK, false);
-    if (field->info.irradiance_probe_count) out->irradiance = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, true);
+    if (field->info.irradiance.probe_count) out->irradiance = sum_points(&a, POINTS_STORED | POINTS_FALLEN_BACK, true);
   }
   olx_release(errors);
   olx_release(a.points);

@@ -42,7 +42,7 @@ static void judge_place(void *user, uint32_t index) {
   olx_vec3 place;
   if (!draw_place(a, index, &place)) return;
   v->valid = true;
-  const uint32_t paths = a->settings->spp / PATHS_SHARE + 1, bounces = a->field->info.bounces + 1;
+  const uint32_t paths = a->settings->spp / PATHS_SHARE + 1, bounces = a->field->info.bounces.count + 1;
   for (uint32_t i = 0; i < NORMALS; i++) {
     olx_volume_light_at light;
     v->served = olx_volume_gather(a->field, place, normals[i], &light);
@@ -96,7 +96,7 @@ static void sum_places(const space_audit *a, olx_audit *out) {
     }
   }
   out->space_volume = errors_of(&volume);
-  if (a->field->info.irradiance_probe_count) out->space_probes = errors_of(&probes);
+  if (a->field->info.irradiance.probe_count) out->space_probes = errors_of(&probes);
   out->space_served = places ? (double)served / (double)places : 0.0;
 }
 

@@ -132,7 +132,7 @@ olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_h
   if (settings->method == OLX_METHOD_CLASSIC) {
     return olx_classic_irradiance(context->field, &settings->sample, field_origin(shading->surface), shading->normal);
   }
-  const bool probes = settings->diffuse != OLX_DIFFUSE_SURFACE && context->field->info.irradiance_probe_count;
+  const bool probes = settings->diffuse != OLX_DIFFUSE_SURFACE && context->field->info.irradiance.probe_count;
   if (!probes) return stored_irradiance(context, hit, shading->surface, view);
   return olx_irradiance(context->field, &settings->sample, field_origin(shading->surface), shading->normal, view);
 }

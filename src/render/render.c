@@ -202,7 +202,7 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
 }
 
 static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) {
-  const uint64_t baked = olx_field_describe(field).scene_hash;
+  const uint64_t baked = olx_field_describe(field).scene.hash;
   if (baked && baked != scene->hash) {
     olx_log(OLX_LOG_WARNING,
             "the field was baked from another scene (hash %016llx, this one has %016llx): bake it again for true light",
@@ -223,7 +223,8 @@ olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *fiel
 
 void olx_render_note_bounces(const olx_field *field, const olx_render_settings *settings, olx_image *image) {
   image->bounces_known = true;
-  image->bounces = settings->method == OLX_METHOD_PATH ? settings->bounces : olx_field_describe(field).bounces + 1;
+  image->bounces =
+      settings->method == OLX_METHOD_PATH ? settings->bounces : olx_field_describe(field).bounces.count + 1;
 }
 
 static void warn_of_darkness(const olx_scene *scene) {

@@ -11,8 +11,8 @@ uint32_t olx_octree_leaf(const olx_field *field, olx_vec3 point) {
   const olx_octree_header *header = field->select_data[OLX_SELECT_OCTREE];
   const uint32_t *nodes = (const uint32_t *)(header + 1);
   const uint32_t node_count = 1 + 8 * header->inner_nodes, side = 1u << header->levels;
-  const olx_vec3 low = field->info.scene_min;
-  const float scale = (float)side / olx_octree_side(low, field->info.scene_max);
+  const olx_vec3 low = field->info.scene.bounds_min;
+  const float scale = (float)side / olx_octree_side(low, field->info.scene.bounds_max);
   const uint32_t x = voxel_at(point.x, low.x, scale, side), y = voxel_at(point.y, low.y, scale, side),
                  z = voxel_at(point.z, low.z, scale, side);
   uint32_t node = nodes[0];
@@ -30,7 +30,7 @@ uint32_t olx_octree_leaf(const olx_field *field, olx_vec3 point) {
 void olx_octree_choices(const olx_field *field, uint32_t leaf, uint32_t choices[OLX_CHOICES]) {
   const olx_octree_header *header = field->select_data[OLX_SELECT_OCTREE];
   const void *codes = (const uint32_t *)(header + 1) + 1 + 8 * header->inner_nodes;
-  const uint32_t probes = field->info.probe_count;
+  const uint32_t probes = field->info.probes.count;
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {
     const uint32_t choice = leaf == OLX_NO_LEAF
                                 ? OLX_NO_PROBE

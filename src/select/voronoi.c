@@ -35,7 +35,7 @@ typedef struct tree_range {
 static void search_tree(nearest *n) {
   const void *codes = olx_voronoi_codes(n->field);
   const size_t tree = olx_voronoi_tree(n->field);
-  const uint32_t count = n->field->info.probe_count, code_bytes = olx_probe_code_bytes(count);
+  const uint32_t count = n->field->info.probes.count, code_bytes = olx_probe_code_bytes(count);
   tree_range later[MAX_DEPTH + 1] = {{0, count, 0, 0.0f}};
   for (uint32_t waiting = 1; waiting > 0;) {
     tree_range range = later[--waiting];
@@ -58,10 +58,10 @@ static void search_tree(nearest *n) {
 
 uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried) {
   nearest n = {.field = field, .point = point, .buried = buried, .probe = OLX_NO_PROBE, .distance = INFINITY};
-  if (field->info.probe_count > FEW_PROBES) {
+  if (field->info.probes.count > FEW_PROBES) {
     search_tree(&n);
   } else {
-    for (uint32_t i = 0; i < field->info.probe_count; i++) consider(&n, i);
+    for (uint32_t i = 0; i < field->info.probes.count; i++) consider(&n, i);
   }
   return n.probe;
 }
@@ -74,7 +74,7 @@ static uint32_t choice_texel(float coordinate, uint32_t size) {
 
 void olx_voronoi_neighbours(const olx_field *field, uint32_t probe, olx_vec3 direction, uint32_t choices[OLX_CHOICES]) {
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
-  const uint32_t size = header->size, probes = field->info.probe_count;
+  const uint32_t size = header->size, probes = field->info.probes.count;
   const olx_vec2 uv = olx_octahedral_encode(direction);
   const size_t texel = ((size_t)probe * size + choice_texel(uv.y, size)) * size + choice_texel(uv.x, size);
   for (uint32_t i = 0; i < OLX_CHOICES; i++) {

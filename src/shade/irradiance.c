@@ -215,7 +215,7 @@ olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_samp
 
 olx_irradiance_source olx_irradiance_source_of(const olx_field *field) {
   return (olx_irradiance_source){
-      .grid = field->info.irradiance_grid,
+      .grid = field->info.irradiance.grid,
       .flags = field->irradiance_flags,
       .distance_scale = field->distance_scale,
       .irradiance_n = field->irradiance_n,
@@ -236,7 +236,7 @@ olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *setti
 
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal) {
   assert(field);
-  if (index >= field->info.irradiance_probe_count) return olx_splat(0.0f);
+  if (index >= field->info.irradiance.probe_count) return olx_splat(0.0f);
   const olx_irradiance_source source = olx_irradiance_source_of(field);
   const normal_taps taps = taps_at(&source, normal);
   return probe_irradiance(&source, index, &taps);

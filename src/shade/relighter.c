@@ -34,7 +34,7 @@ static olx_result check_settings(const olx_relight_settings *s) {
 
 static olx_result build(olx_relight *r) {
   const olx_field_info *info = &r->source->info;
-  const float diagonal = olx_length(olx_sub(info->scene_max, info->scene_min));
+  const float diagonal = olx_length(olx_sub(info->scene.bounds_max, info->scene.bounds_min));
   r->near_metres = r->settings.near_metres > 0.0f ? r->settings.near_metres : diagonal / 8.0f;
   if (!(r->near_metres > 0.0f)) r->near_metres = 1.0f;
   r->lights = olx_allocate_zero(OLX_RELIT_MOST_LIGHTS, sizeof *r->lights);
@@ -138,8 +138,8 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
     else r->field_lights[r->field_light_count++] = field_light(&lights[i]);
   }
   r->field.surfaces.lights = r->field_lights;
-  r->field.surfaces.light_count = r->field.info.light_count = r->field_light_count;
-  r->field.info.scene_hash = 0;
+  r->field.surfaces.light_count = r->field.info.scene.light_count = r->field_light_count;
+  r->field.info.scene.hash = 0;
   r->field.relit = true;
   r->light_changes++;
   wake(r);
@@ -182,7 +182,7 @@ const olx_field *olx_relight_field(const olx_relight *r) { return &r->field; }
 
 olx_relight_state olx_relight_probe_state(const olx_relight *r, uint32_t probe) {
   olx_relight_state state = {0};
-  if (probe >= r->field.info.probe_count) return state;
+  if (probe >= r->field.info.probes.count) return state;
   for (uint32_t i = 0; i < r->tiles_a_probe; i++) {
     const olx_relit_tile *tile = &r->tiles[(size_t)probe * r->tiles_a_probe + i];
     const uint32_t changed = r->part_frames[(size_t)probe * (r->tiles_a_probe + 1) + i];

@@ -90,31 +90,31 @@ static void make_tiles(olx_relight *r) {
 
 // Copies baked light into a map of texels, from texels or blocks, because relit maps are always texels.
 static void keep_map(const olx_field *f, olx_surface_map map, const uint32_t *texels, uint32_t *kept) {
-  const size_t count = f->texels * f->info.probe_count;
+  const size_t count = f->texels * f->info.probes.count;
   if (texels) {
     memcpy(kept, texels, count * sizeof *kept);
     return;
   }
-  for (uint32_t i = 0; i < f->info.probe_count * f->stride; i++) {
+  for (uint32_t i = 0; i < f->info.probes.count * f->stride; i++) {
     olx_surface_row(f, map, i / f->stride, i % f->stride, kept + (size_t)i * f->stride);
   }
 }
 
 olx_result olx_relit_texels_create(olx_relight *r) {
   const olx_field *f = r->source;
-  const size_t texels = f->texels * f->info.probe_count;
+  const size_t texels = f->texels * f->info.probes.count;
   r->tile_side = f->n < OLX_RELIT_TILE_SIDE ? f->n : OLX_RELIT_TILE_SIDE;
   r->tiles_a_probe = (f->n / r->tile_side) * (f->n / r->tile_side);
-  r->tile_count = r->tiles_a_probe * f->info.probe_count;
+  r->tile_count = r->tiles_a_probe * f->info.probes.count;
   r->direct_map = olx_allocate(texels, sizeof *r->direct_map);
   r->indirect_map = olx_allocate(texels, sizeof *r->indirect_map);
   r->tiles = olx_allocate(r->tile_count, sizeof *r->tiles);
   r->scheduled = olx_allocate(r->tile_count, sizeof *r->scheduled);
   r->lit = olx_allocate(r->tile_count, sizeof *r->lit);
   r->due = olx_allocate(r->tile_count, sizeof *r->due);
-  r->part_frames = olx_allocate_zero((size_t)f->info.probe_count * (r->tiles_a_probe + 1), sizeof *r->part_frames);
+  r->part_frames = olx_allocate_zero((size_t)f->info.probes.count * (r->tiles_a_probe + 1), sizeof *r->part_frames);
   if (!r->direct_map || !r->indirect_map || !r->tiles || !r->scheduled || !r->lit || !r->due || !r->part_frames) {
-    return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u light field maps", f->info.probe_count);
+    return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u light field maps", f->info.probes.count);
   }
   keep_map(f, OLX_SURFACE_DIRECT, f->surfaces.direct, r->direct_map);
   keep_map(f, OLX_SURFACE_INDIRECT, f->surfaces.indirect, r->indirect_map);

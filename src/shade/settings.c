@@ -14,7 +14,7 @@ olx_sample_settings olx_sample_settings_default(void) {
 }
 
 olx_result olx_probe_light_check(const olx_field *field) {
-  if (field->info.irradiance_probe_count) return OLX_OK;
+  if (field->info.irradiance.probe_count) return OLX_OK;
   return olx_fail(
       OLX_ERROR_ARGUMENT,
       "%s: baked without probe light, that is radiance as probes saw it and irradiance probes: `octalux bake "

@@ -77,11 +77,11 @@ static void rank_near(const olx_field *field, const olx_sample_settings *setting
       if (probe == OLX_BRICK_NO_PROBE) return;
       rank(field, settings, point, probe, r);
     }
-  } else if (field->info.has_grid) {
-    const olx_cage cage = olx_cage_at(&field->info.grid, point->position);
+  } else if (field->info.probes.has_grid) {
+    const olx_cage cage = olx_cage_at(&field->info.probes.grid, point->position);
     for (uint32_t corner = 0; corner < 8; corner++) {
       if (!olx_cage_has(&cage, corner)) continue;
-      rank(field, settings, point, olx_cage_probe(&field->info.grid, &cage, corner), r);
+      rank(field, settings, point, olx_cage_probe(&field->info.probes.grid, &cage, corner), r);
     }
   }
 }
@@ -90,7 +90,7 @@ static void rank_all(const olx_field *field, const olx_sample_settings *settings
                      ranking *r) {
   r->count = 0;
   r->most = most_ranked(settings);
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) rank(field, settings, point, probe, r);
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) rank(field, settings, point, probe, r);
 }
 
 // A point relative to a probe.

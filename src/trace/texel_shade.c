@@ -66,7 +66,7 @@ olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t t
                      .direct = olx_texel_direct(field, probe, texel)};
   s.cosine = olx_max(fabsf(olx_dot(s.normal, s.view)), 1e-3f);
   // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
-  const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.last_bounce);
+  const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.bounces.last);
   olx_texel_light light = {
       .reflected = olx_scale(olx_mul(olx_bsdf_diffuse(&s.bsdf, s.cosine), all), 1.0f / OLX_PI)};
   if (!olx_bsdf_has_specular(&s.bsdf)) return light;

@@ -127,7 +127,7 @@ static uint32_t first_corner(const search *s, const olx_grid *grid, const olx_ca
 // Returns the next probe of the cage around the place to which the ray is followed. Corners are taken in steps of
 // three, so that each is far from the last.
 static uint32_t next_corner(const search *s) {
-  const olx_grid *grid = &s->field->info.grid;
+  const olx_grid *grid = &s->field->info.probes.grid;
   const olx_cage cage = olx_cage_at(grid, ray_point(s, s->lost));
   uint32_t corner = first_corner(s, grid, &cage);
   for (uint32_t i = 0; i < 8; i++, corner = (corner + 3) & 7u) {
@@ -212,12 +212,12 @@ static uint32_t nearest_that_sees(const search *s) {
   const olx_vec3 place = sought(s);
   float best_distance = INFINITY;
   uint32_t best = OLX_NO_PROBE;
-  for (uint32_t next = 0; next < s->field->info.probe_count;) {
+  for (uint32_t next = 0; next < s->field->info.probes.count;) {
     uint32_t probes[SOME], count = 0;
     float distances[SOME];
     olx_vec3 places[SOME], directions[SOME];
     bool seen[SOME];
-    for (; next < s->field->info.probe_count && count < SOME; next++) {
+    for (; next < s->field->info.probes.count && count < SOME; next++) {
       if (!usable(s, next) || was_asked(s, next)) continue;
       const olx_vec3 offset = olx_sub(s->field->probe_positions[next], place);
       distances[count] = olx_dot(offset, offset);
@@ -263,7 +263,7 @@ static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe
 
 // Returns the sky's radiance in the ray's direction, from the first probe that sees it there; 0 when none does.
 static olx_vec3 sky_radiance(const search *s) {
-  for (uint32_t probe = 0; probe < s->field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < s->field->info.probes.count; probe++) {
     const size_t texel = olx_texel_towards(s->field, s->direction);
     if (olx_texel_distance(s->field, probe, texel) == INFINITY) return olx_texel_emission(s->field, probe, texel);
   }
@@ -314,7 +314,7 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
 // width of two texels on the far side of the scene, so that walls that coincide with the bounds are hit first.
 static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 direction) {
   const olx_vec3 room = olx_splat(field->distance_scale * 2.0f * olx_mean_texel_angle(field->n));
-  const olx_vec3 low = olx_sub(field->info.scene_min, room), high = olx_add(field->info.scene_max, room);
+  const olx_vec3 low = olx_sub(field->info.scene.bounds_min, room), high = olx_add(field->info.scene.bounds_max, room);
   float t = INFINITY;
   for (uint32_t axis = 0; axis < 3; axis++) {
     const float d = olx_axis(direction, axis), o = olx_axis(origin, axis);

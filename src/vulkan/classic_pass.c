@@ -39,7 +39,7 @@ enum { PARTS = 4 };
 
 static void list_parts(const olx_field *field, classic_part parts[PARTS]) {
   const olx_classic_maps *maps = &field->classic;
-  const uint64_t probes = field->info.irradiance_probe_count;
+  const uint64_t probes = field->info.irradiance.probe_count;
   parts[0] = (classic_part){maps->table, OLX_CLASSIC_TABLE_ENTRIES, OLX_CLASSIC_TABLE};
   parts[1] = (classic_part){maps->boxes, probes * sizeof(olx_classic_box) / sizeof(uint32_t), OLX_CLASSIC_BOXES};
   parts[2] = (classic_part){maps->irradiance, probes * maps->irradiance_texels, OLX_CLASSIC_IRRADIANCE};
@@ -63,7 +63,7 @@ static olx_result check_range(const olx_vulkan_context *c, const olx_vulkan_clas
   if (classic->bytes <= c->limits.maxStorageBufferRange) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED,
                   "classic maps of %u probes are more than a storage buffer of this device holds",
-                  field->info.irradiance_probe_count);
+                  field->info.irradiance.probe_count);
 }
 
 // Creates the buffer, without memory yet.

@@ -92,10 +92,10 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
   OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
   transition(gpu, commands, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   OLX_TRY(olx_uploader_copy(uploader, &gpu->constants, sizeof gpu->constants, gpu->buffer, 0));
-  OLX_TRY(upload_probes(gpu, uploader, field->probe_positions, field->probe_flags, field->info.probe_count,
+  OLX_TRY(upload_probes(gpu, uploader, field->probe_positions, field->probe_flags, field->info.probes.count,
                         gpu->probes_offset));
   OLX_TRY(upload_probes(gpu, uploader, field->irradiance_positions, field->irradiance_flags,
-                        field->info.irradiance_probe_count, gpu->irradiance_probes_offset));
+                        field->info.irradiance.probe_count, gpu->irradiance_probes_offset));
   for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
     const olx_gpu_words *part = &gpu->words[i];
     OLX_TRY(olx_uploader_copy(uploader, part->data, part->bytes, gpu->buffer, part->offset));

@@ -85,7 +85,7 @@ static VkDeviceSize volume_bytes(const olx_volume *v) {
 // as one array of words.
 static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, VkDeviceSize first) {
   const olx_field_surfaces *s = &field->surfaces;
-  const VkDeviceSize probes = field->info.probe_count,
+  const VkDeviceSize probes = field->info.probes.count,
                      volume_probes = field->volume.header ? field->volume.header->probes : 0,
                      light_bytes = sizeof(uint16_t) * OLX_VOLUME_HALVES * volume_probes;
   const olx_gpu_words words[OLX_GPU_WORDS] = {
@@ -118,8 +118,8 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const olx_vulkan_context *c = &gpu->context;
   const olx_field_info *info = &field->info;
   // A buffer is never empty, so that descriptors are valid without irradiance probes too.
-  const VkDeviceSize count = info->irradiance_probe_count ? info->irradiance_probe_count : 1;
-  const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probe_count,
+  const VkDeviceSize count = info->irradiance.probe_count ? info->irradiance.probe_count : 1;
+  const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probes.count,
                      irradiance_probes = sizeof(olx_gpu_probe) * count;
   gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
@@ -149,11 +149,11 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
                      *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE],
                      *surfaces = &gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE];
   return (olx_gpu_field){
-      .grid = info->has_grid ? grid_constants(&info->grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
-      .irradiance_grid = grid_constants(&info->irradiance_grid),
-      .scene_min = {info->scene_min.x, info->scene_min.y, info->scene_min.z, 0.0f},
-      .scene_max = {info->scene_max.x, info->scene_max.y, info->scene_max.z, 0.0f},
-      .probe_count = info->probe_count,
+      .grid = info->probes.has_grid ? grid_constants(&info->probes.grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
+      .irradiance_grid = grid_constants(&info->irradiance.grid),
+      .scene_min = {info->scene.bounds_min.x, info->scene.bounds_min.y, info->scene.bounds_min.z, 0.0f},
+      .scene_max = {info->scene.bounds_max.x, info->scene.bounds_max.y, info->scene.bounds_max.z, 0.0f},
+      .probe_count = info->probes.count,
       .n = field->n,
       .least_nodes = field->pyramid.least_nodes,
       .maps_a_side = distance->maps_a_side, // the same for all maps of light field probes
@@ -171,7 +171,7 @@ static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_fiel
       .tile_count = field->surfaces.tile_count,
       .lights_first = first_word(gpu, OLX_WORDS_LIGHTS),
       .light_count = highlight_count(field),
-      .last_bounce = info->last_bounce,
+      .last_bounce = info->bounces.last,
       .volume_first = field->volume.header ? first_word(gpu, OLX_WORDS_VOLUME) : 0,
       .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
                         field->pyramid.first[3]},
@@ -198,7 +198,7 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
   return (olx_gpu_maps){.format = keeps ? BLOCKS[kind] : TEXELS[kind],
                         .texel_bytes = keeps ? BLOCK_BYTES[kind] : TEXEL_BYTES[kind],
                         .stride = keeps ? field->n : field->stride,
-                        .count = field->info.probe_count,
+                        .count = field->info.probes.count,
                         .blocks = keeps,
                         .decoded = stored && !keeps,
                         .kind = kind,
@@ -207,7 +207,7 @@ static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *f
 
 // Describes distances or geometry blocks. Every device samples images of four words, so a block is a texel.
 static olx_gpu_maps geometry_maps(const olx_field *field) {
-  const uint32_t probes = field->info.probe_count, side = field->n / OLX_BLOCK_SIDE;
+  const uint32_t probes = field->info.probes.count, side = field->n / OLX_BLOCK_SIDE;
   return field->geometry ? (olx_gpu_maps){VK_FORMAT_R32G32B32A32_UINT, 16, side, probes, .texels = field->geometry}
                          : (olx_gpu_maps){VK_FORMAT_R16_UINT, 2, field->stride, probes, .texels = field->distance};
 }
@@ -226,14 +226,14 @@ static olx_result check_irradiance_form(const olx_field *field) {
   if (!field->bands) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED,
                   "%s: irradiance as spherical harmonics (%s) does not run on the GPU: bake octahedral maps",
-                  field->name, olx_irradiance_form_name(field->info.irradiance_form));
+                  field->name, olx_irradiance_form_name(field->info.irradiance.form));
 }
 
 // Creates images and buffers, without memory yet.
 static olx_result create_resources(const olx_vulkan_host *host, const olx_field *field, olx_vulkan_field *gpu) {
   OLX_TRY(check_irradiance_form(field));
   OLX_TRY(olx_vulkan_context_make(host, &gpu->context));
-  const uint32_t probes = field->info.probe_count, irradiance_probes = field->info.irradiance_probe_count;
+  const uint32_t probes = field->info.probes.count, irradiance_probes = field->info.irradiance.probe_count;
   const olx_gpu_maps maps[OLX_GPU_MAPS] = {
       [OLX_BINDING_RADIANCE - OLX_BINDING_RADIANCE] = {VK_FORMAT_B10G11R11_UFLOAT_PACK32, 4, field->stride, probes,
                                                        .texels = field->radiance},
@@ -293,8 +293,8 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 
 bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
-  const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume_probe_count;
-  return maps->count == field->info.probe_count && maps->stride == field->stride &&
+  const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume.probe_count;
+  return maps->count == field->info.probes.count && maps->stride == field->stride &&
          gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
 }
 

@@ -63,7 +63,7 @@ static uint32_t part_bytes(const olx_map_part *part) { return aligned(TEXEL_BYTE
 
 // Returns the number of volume probes in a unit.
 static uint32_t volume_probes(const olx_vulkan_update *u, uint32_t unit) {
-  const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->relight->field.info.volume_probe_count;
+  const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->relight->field.info.volume.probe_count;
   return all - first < VOLUME_PART ? all - first : VOLUME_PART;
 }
 
@@ -99,8 +99,8 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
 static olx_result build(olx_vulkan_update *u) {
   const olx_relight *r = u->relight;
   u->parts = r->tiles_a_probe + 1;
-  u->maps_end = r->field.info.probe_count * u->parts;
-  u->lights = u->maps_end + (r->field.info.volume_probe_count + VOLUME_PART - 1) / VOLUME_PART;
+  u->maps_end = r->field.info.probes.count * u->parts;
+  u->lights = u->maps_end + (r->field.info.volume.probe_count + VOLUME_PART - 1) / VOLUME_PART;
   u->units = u->lights + 1;
   u->copied = olx_allocate_zero(u->units, sizeof *u->copied);
   if (!u->copied) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);

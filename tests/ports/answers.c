@@ -60,7 +60,7 @@ static bool say_sampling(text *t, const olx_field *field) {
   static olx_vec3 origins[RAYS], directions[RAYS];
   static olx_trace_hit hits[RAYS];
   const olx_sample_settings settings = olx_sample_settings_default();
-  const uint32_t probes = olx_field_describe(field).probe_count;
+  const uint32_t probes = olx_field_describe(field).probes.count;
   for (uint32_t i = 0; i < RAYS; i++) {
     origins[i] = olx_field_probe_position(field, i % probes);
     directions[i] = direction_of(i);

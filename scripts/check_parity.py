@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in a
-tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, and no row is left without its function.
+tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, and no row is left without its function. A file of
+shaders/lib says in its opening comment of which file of src it is the twin, one with the same stem that names it in
+turn, or that it has no twin.
 
 Usage: check_parity.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -12,6 +14,8 @@ import sys
 FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
 # How WebGL2 reads data and what its language lacks, up to what Vulkan has in its place: no parity test runs there.
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
+# A twin: one file, or several whose names begin with the shader's stem.
+TWIN = re.compile(r"Twin of (src/\w+/(\w+)(\*?)\.[ch])\b")
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
 
@@ -36,10 +40,36 @@ def check_rows(root, functions):
     return faults
 
 
+def opening(path):
+    """The words of the comment that a file opens with."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    ends = [i for i, line in enumerate(lines) if not line.startswith("//")]
+    return " ".join(line[2:].strip() for line in lines[: ends[0]])
+
+
+def check_twin(root, path):
+    """Faults of what a file of shaders/lib says of its twin."""
+    name, words = f"shaders/lib/{path.name}", opening(path)
+    if "no twin in C" in words:
+        return []
+    twin = TWIN.search(words)
+    if not twin:
+        return [f"{name}: does not say of which file it is the twin, or that it has no twin in C"]
+    file, stem, several = twin.groups()
+    if several:
+        found = list(root.glob(file))
+        sound = found and stem.startswith(path.stem)
+        return [] if sound else [f"{name}: its twin {file} has another stem, or is not there"]
+    if stem != path.stem or not (root / file).is_file():
+        return [f"{name}: its twin {file} has another stem, or is not there"]
+    return [] if name in opening(root / file) else [f"{file}: does not name its twin {name}"]
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
     functions, faults = {}, []
     for path in sorted((root / "shaders/lib").glob("*.glsl")):
+        faults += check_twin(root, path)
         for name in FUNCTION.findall(WEB.sub("", path.read_text(encoding="utf-8"))):
             functions[name] = path.name
             if not name.startswith("olx_"):

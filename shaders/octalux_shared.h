@@ -27,7 +27,7 @@ typedef struct olx_gpu_uvec4 {
 #endif
 
 // The descriptor set of a field. A host that includes the library chooses its number by defining OLX_FIELD_SET before.
-#define OLX_BINDING_FIELD 0             // uniform buffer, olx_gpu_field
+#define OLX_BINDING_FIELD 0             // uniform buffer, olx_field_constants
 #define OLX_BINDING_PROBES 1            // storage buffer, olx_gpu_probe[probe_count]
 #define OLX_BINDING_IRRADIANCE_PROBES 2 // storage buffer, olx_gpu_probe[irradiance_probe_count]
 #define OLX_BINDING_WORDS 3             // storage buffer: pyramids, selectors, emission, lights, the volume
@@ -52,9 +52,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_CLASSIC_RADIANCE 4
 #define OLX_CLASSIC_RADIANCE_WORDS 5 // of a probe
 #define OLX_CLASSIC_HEADER_WORDS 16
-#define OLX_CLASSIC_TABLE_WIDTH 64u
-#define OLX_CLASSIC_LEVEL_COUNT 5u
-#define OLX_CLASSIC_LEAST 8u
+#define OLX_CLASSIC_TABLE_SIDE 64u
+#define OLX_CLASSIC_LEVELS 5u // of prefiltered radiance, for roughness 0, 1/4, 1/2, 3/4, 1
+#define OLX_CLASSIC_LEAST_SIDE 8u
 
 // The descriptor set of a frame: the host's images.
 #define OLX_BINDING_DEPTH 0 // sampled
@@ -145,7 +145,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_GEOMETRY_IN_BLOCKS 1
 #define OLX_GEOMETRY_IN_EITHER 2
 
-// In C these are enumerations, in octalux/sample.h, octalux/field.h and field/field_data.h.
+// In C these are enumerations, in octalux/sample.h and octalux/field.h.
 #if defined(GL_core_profile) || defined(GL_ES)
 #define OLX_TRACER_TEXEL 0u
 #define OLX_TRACER_TWO_LEVEL 1u
@@ -160,11 +160,12 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_TRACE_MISS 0u
 #define OLX_TRACE_HIT 1u
 #define OLX_TRACE_UNKNOWN 2u
-#define OLX_PROBE_BURIED 1u
-#define OLX_NO_PROBE 0xFFFFFFFFu
 #endif
 
-// Bits of olx_gpu_frame.flags.
+#define OLX_PROBE_BURIED 1u // bits of a probe's flags
+#define OLX_NO_PROBE 0xFFFFFFFFu
+
+// Bits of olx_frame_constants.flags.
 #define OLX_FRAME_KEEP_BURIED 1
 #define OLX_FRAME_EMITTERS 2
 #define OLX_FRAME_VISIBILITY 4
@@ -180,7 +181,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_VERTEX_UNORM 4096
 #define OLX_FRAME_DYNAMIC 8192
 
-// Bits of olx_gpu_accumulate.flags and olx_gpu_filter.flags.
+// Bits of olx_accumulate_constants.flags and olx_filter_constants.flags.
 #define OLX_DENOISE_DIFFUSE 1 // the lobes to mix into their histories
 #define OLX_DENOISE_GLOSSY 2  // in a filter: the lobe is the glossy one
 #define OLX_DENOISE_RESTART 4
@@ -200,6 +201,151 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_PLANE_EXPONENT 45u
 #define OLX_NO_PLANE 0xFFFFFFFFu
 
+// Constants of files that have a twin: a file of C and one of shaders/lib with the same stem. Floats have their suffix,
+// because C would compute in double without it.
+
+// vec
+#define OLX_PI 3.14159265358979323846f
+
+// octahedral: the square root of 4 pi. A texel of an n x n map is about this over n wide, seen at distance 1.
+#define OLX_TEXEL_ANGLE 3.5449077f
+
+// pack: the largest numbers in RGB9E5, and in a half float.
+#define OLX_RGB9E5_MOST 65408.0f
+#define OLX_HALF_MOST 65504.0f
+
+// bsdf: below this roughness the lobe is a perfect mirror.
+#define OLX_MIRROR_ROUGHNESS 0.03f
+
+// harmonics: spherical harmonics of the bands from 0 on.
+#define OLX_HARMONICS_MOST_BANDS 3u
+#define OLX_HARMONICS_MOST (OLX_HARMONICS_MOST_BANDS * OLX_HARMONICS_MOST_BANDS)
+
+// texels: texels along a side of a tile of emission, and the code of a specular weight of 1 (src/block/reflectance.h);
+// codes above it are metalness, codes below it weights.
+#define OLX_EMISSION_TILE 8u
+#define OLX_REFLECTANCE_FULL 128.0f
+
+// sight: how far behind a stored surface a place may lie and still count as on it, in footprints of the texel, and the
+// cosine as at which surfels are treated that are seen at flatter angles.
+#define OLX_SIGHT_START 0.5f // at a ray's start
+#define OLX_SIGHT_STUCK 1.0f // where another probe lost a ray
+#define OLX_SIGHT_LEAST_COSINE 0.1f
+
+// bricks: cells of space that list the probes which see them (docs/format.md).
+#define OLX_BRICK_SIDE 4u   // cells along the side of a brick
+#define OLX_BRICK_PROBES 8u // the most in a list
+// Words of a divided brick, two cells each, and of a list, two probes each.
+#define OLX_BRICK_CELL_WORDS (OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE / 2u)
+#define OLX_BRICK_LIST_WORDS (OLX_BRICK_PROBES / 2u)
+#define OLX_BRICK_NO_PROBE 0xFFFFu    // fills the free places of a list
+#define OLX_BRICK_DIVIDED 0x80000000u // marks a brick that has cells of its own; without it the brick has one list
+#define OLX_BRICK_HEADER_WORDS 16u    // of olx_bricks_header
+
+// voronoi
+#define OLX_VORONOI_HEADER_WORDS 4u // of olx_voronoi_header
+#define OLX_CHOICES 4u              // the most probes that a texel lists, or a leaf of an octree, best first
+#define OLX_FEW_PROBES 64u // up to so many are searched one by one; about here the tree pays off (docs/studies.md)
+
+// probe_trace
+#define OLX_DISTANCE_PRECISION (1.0f / 2048.0f) // the largest relative error of a half float
+#define OLX_NEIGHBOURHOOD_TEXELS 1.5f           // how far from its texel's centre a surfel may be hit
+#define OLX_STILL_TEXELS 1e-3f // an image that moves by less over a piece is a point: rounding decides its direction
+// The share of the distance of the ray's origin from the probe below which rounding decides the image of a point. The
+// ray then counts as in front of everything.
+#define OLX_CENTRE_SHARE 1e-4f
+#define OLX_PARAMETER_ROUNDING (1.0f / 1048576.0f) // of s and of t(s), in units of the piece's largest parameter
+#define OLX_NEVER 1.2676506002282294e30f           // 2^100
+#define OLX_PYRAMID_FINEST 2                       // log2 of the texels along a side of a node of level 0
+#define OLX_PYRAMID_STEP 2                         // log2 of the side of a node, in nodes of the level below
+// What a texel tells of a ray: it passes in front, meets the surface, or is behind it, where the probe cannot see.
+#define OLX_VERDICT_CLEAR 0
+#define OLX_VERDICT_HIT 1
+#define OLX_VERDICT_HIDDEN 2
+
+// texel_shade: the largest angular error of stored normals in radians; no highlight is narrower.
+#define OLX_STORED_NORMAL_ERROR 0.0111f
+
+// trace. A ray remembers tried probes by their numbers modulo the first, a bit each. That is exact in fields of no more
+// probes; in larger ones a probe may be taken for tried because another was. A prime, so that it does not align with
+// the strides of grids.
+#define OLX_REMEMBERED 127u
+// How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
+// within a texel, and the ray must not slip through the surface that it was about to hit.
+#define OLX_HAND_OVER_FOOTPRINTS 0.5f
+// An unresolved ray that vanished behind a surface by at most this many footprints is taken to end there.
+#define OLX_VANISHED_FOOTPRINTS 1.5f
+// The cost of a first probe's squared distance from the ray's line, relative to its squared distance from the origin.
+#define OLX_OFF_LINE 4.0f
+
+// further: lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of
+// all directions.
+#define OLX_LEAST_REFLECTANCE 0.15f
+#define OLX_MOST_ROUGHNESS 0.5f
+#define OLX_START_FOOTPRINTS 0.1f // how far from the surface the ray starts
+#define OLX_SALT_FURTHER 0x46555254u
+
+// irradiance. The least variance, as a share of r^2: moments are half floats with relative errors up to 2^-11, so
+// smaller variances are rounding.
+#define OLX_VARIANCE_FLOOR 1e-3f
+// Weights below this are multiplied by the square of their ratio to it (after Majercik et al. 2019).
+#define OLX_CRUSH_BELOW 0.2f
+// How far from the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, which
+// is two thirds of the standard deviation of the filter on distances (src/bake/quadrature.h), or a texel of the
+// moments' own map where that is coarser.
+#define OLX_BIAS_MAP_SIZE 32.0f
+// When the weights of a cage sum to less than this, a more distant probe supplies the rest.
+#define OLX_TRUSTED_WEIGHT 0.01f
+
+// volume_irradiance: the structure of the irradiance volume (docs/format.md, "Volume").
+#define OLX_VOLUME_HEADER_WORDS 16u  // of olx_volume_header
+#define OLX_VOLUME_SPLIT_WORDS 8u    // of olx_volume_split
+#define OLX_VOLUME_CELL_WORDS 8u     // of olx_volume_cell
+#define OLX_VOLUME_BLOCK_ENTRIES 64u // 4 x 4 x 4 parts of a cube, or of such a part
+#define OLX_VOLUME_HALVES 28u        // half floats of a probe, two a word
+#define OLX_VOLUME_LEVEL_SHIFT 27
+// What an entry refers to, in its two highest bits. An entry of 0 is empty: no free space was found there.
+#define OLX_VOLUME_KIND 0xC0000000u
+#define OLX_VOLUME_CELL 0x40000000u   // a cell; bits 27 to 29: how often its cube was halved
+#define OLX_VOLUME_BLOCK 0x80000000u  // entries for the parts
+#define OLX_VOLUME_SPLIT 0xC0000000u  // a plane with an entry for either side
+#define OLX_VOLUME_NUMBER 0x07FFFFFFu // of the cell, block or split
+// How far in front of its surface a place is looked up, in sides of a cube: 1 / 4096 of the smallest cell.
+#define OLX_VOLUME_LIFT (1.0f / 65536.0f)
+
+// surface_irradiance
+#define OLX_MOST_RANKED 128u
+#define OLX_MOST_BLENDED 4u
+// The errors of packing: the relative error of a half float, and the angular error of a normal in two bytes, in
+// radians.
+#define OLX_DISTANCE_ERROR (1.0f / 2048.0f)
+#define OLX_NORMAL_ERROR 0.0111f
+// How far a texel's surface may miss the point beyond the errors of packing, in footprints.
+#define OLX_SURFACE_MISS 0.05f
+// How far away along the surface a texel may be, in footprints divided by the cosine at which its probe sees it.
+#define OLX_SURFACE_REACH 2.0f
+#define OLX_LEAST_FACING 0.02f // surfaces that face a probe with a smaller cosine are too grazing for its texels
+// Normals agree fully above the second of these cosines, and not at all below the first.
+#define OLX_LEAST_AGREEMENT 0.7f
+#define OLX_FULL_AGREEMENT 0.8f
+#define OLX_BLEND_ABOVE 0.8f        // a probe contributes where its weight exceeds this share of the best probe's
+#define OLX_LEAST_TEXEL_SHARE 1e-5f // a smaller share of texels is rounding
+#define OLX_MOST_CHANGE 4.0f        // the greatest factor by which a normal map brightens a surface
+
+// denoise. Two pixels show the same surface when the second lies off the first one's plane by at most this many pixel
+// widths, or by this share of their distance, since normal maps tilt planes.
+#define OLX_PLANE_PIXELS 2.0f
+#define OLX_PLANE_SLOPE 0.1f
+#define OLX_SAME_NORMAL 0.9f     // the least cosine between two pixels' normals for history to be reused between them
+#define OLX_STILL_PIXELS 1e-2f   // a point that reprojects this close to a pixel's centre counts as not moved
+#define OLX_ROUGHNESS_RANGE 0.1f // glossy light is not shared between surfaces whose roughness differs by more
+#define OLX_LEAST_WEIGHT 1e-6f   // a pixel whose weights sum to less has no value
+#define OLX_LEAST_SHARE 0.01f    // history is not read when less of the four pixels around a point is valid
+
+// frames of src/render, and passes: the lower bound of the factor from incident to reflected glossy light, so that
+// dividing by it is safe.
+#define OLX_LEAST_FRESNEL 0.01f
+
 // A regular grid of probes.
 OLX_GPU_STRUCT(olx_gpu_grid) {
   olx_gpu_vec4 origin;  // xyz
@@ -208,7 +354,7 @@ OLX_GPU_STRUCT(olx_gpu_grid) {
 };
 
 // A field. Maps of several probes may share a layer of an image: `maps_a_side` along each side.
-OLX_GPU_STRUCT(olx_gpu_field) {
+OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_grid grid; // count 0 without one
   olx_gpu_grid irradiance_grid;
   olx_gpu_vec4 scene_min, scene_max; // xyz
@@ -277,7 +423,7 @@ OLX_GPU_STRUCT(olx_gpu_relight_call) {
 };
 
 // Push constants of the recorded passes.
-OLX_GPU_STRUCT(olx_gpu_frame) {
+OLX_GPU_STRUCT(olx_frame_constants) {
   olx_gpu_vec4 clip_to_world[4]; // columns
   olx_gpu_vec4 eye;              // xyz; w: the depth of pixels that show no surface
   olx_gpu_uint width, height;
@@ -300,7 +446,7 @@ OLX_GPU_STRUCT(olx_gpu_camera) {
 };
 
 // Push constants of the denoiser's mean over frames.
-OLX_GPU_STRUCT(olx_gpu_accumulate) {
+OLX_GPU_STRUCT(olx_accumulate_constants) {
   olx_gpu_camera now, before;
   // The depth along the viewing axis is now.up.w / (depth image - before.up.w).
   olx_gpu_uint size;            // width, and in the upper half height
@@ -312,9 +458,9 @@ OLX_GPU_STRUCT(olx_gpu_accumulate) {
 };
 
 // Push constants of the denoiser's filter over pixels.
-OLX_GPU_STRUCT(olx_gpu_filter) {
+OLX_GPU_STRUCT(olx_filter_constants) {
   olx_gpu_camera camera;
-  olx_gpu_uint size, flags; // as in olx_gpu_accumulate
+  olx_gpu_uint size, flags; // as in olx_accumulate_constants
   olx_gpu_uint radius_pixels, stride_pixels;
   olx_gpu_float reach;
   olx_gpu_float dim_lobe;

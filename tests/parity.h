@@ -11,7 +11,7 @@
 #include "select/select.h"
 #include "shade/irradiance.h"
 #include "trace/probe_trace.h"
-#include "vulkan/gpu_field.h"
+#include "vulkan/vulkan_field.h"
 
 #include <octalux/sample.h>
 
@@ -28,7 +28,7 @@ typedef struct parity_item {
 // What parity.glsl derives from an item; the names are the same.
 typedef struct parity_state {
   const olx_field *field;
-  const olx_gpu_field *constants;
+  const olx_field_constants *constants;
   const parity_item *item;
   uint32_t index;
   olx_vec3 point, direction, view;

@@ -15,7 +15,7 @@ void classic_rows() {
   case ROW_olx_classic_vector: put(olx_classic_vector(olx_classic[OLX_CLASSIC_BOXES] + 6u * irradiance_probe)); break;
   case ROW_olx_classic_parallax: put(olx_classic_parallax(irradiance_probe, point, direction)); break;
   case ROW_olx_classic_reflectance: put(olx_classic_reflectance(1.2 * random.x - 0.1, 1.2 * random.y - 0.1)); break;
-  case ROW_olx_classic_side: put(olx_classic_side(bits.y % OLX_CLASSIC_LEVEL_COUNT)); break;
+  case ROW_olx_classic_side: put(olx_classic_side(bits.y % OLX_CLASSIC_LEVELS)); break;
   case ROW_olx_classic_radiance: put(olx_classic_radiance(irradiance_probe, direction, 1.2 * random.z - 0.1)); break;
   case ROW_olx_classic_weigh:
     weights = olx_classic_weigh(settings, point);

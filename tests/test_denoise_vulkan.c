@@ -4,7 +4,7 @@
 #include "core/sampling.h"
 #include "render/denoise.h"
 #include "shade/emission.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
 

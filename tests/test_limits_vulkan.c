@@ -2,7 +2,7 @@
 // fails gives errors, and nothing is left behind.
 #include "core/hooks.h"
 #include "field/field_writer.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
 

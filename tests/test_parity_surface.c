@@ -86,7 +86,7 @@ static fallen fall_back(const parity_state *s) {
 
 static void put_ranking(const parity_state *s, const surface_state *e, parity_result *r) {
   olx_sample_settings settings = s->settings;
-  settings.max_probes = MOST_RANKED;
+  settings.max_probes = OLX_MOST_RANKED;
   ranking list;
   if (s->bits[3] & 1u) rank_all(s->field, &settings, &e->p, &list);
   else rank_near(s->field, &settings, &e->p, &list);

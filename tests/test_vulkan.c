@@ -5,7 +5,7 @@
 #include "core/sampling.h"
 #include "field/field_writer.h"
 #include "shade/surface_irradiance.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
 

@@ -14,7 +14,7 @@ const output = process.argv[2] ?? join(here, 'dist');
 function decoder() {
   const folder = mkdtempSync(join(tmpdir(), 'octalux-decoder-')), module = join(folder, 'blocks.wasm');
   const sources = ['web/decoder/blocks.c', 'src/block/bc1.c', 'src/block/bc4.c', 'src/block/bc6h.c'].map((name) => join(root, name));
-  const folders = ['web/decoder/freestanding', 'src', 'include'].map((name) => `-I${join(root, name)}`);
+  const folders = ['web/decoder/freestanding', '', 'src', 'include'].map((name) => `-I${join(root, name)}`);
   try {
     execFileSync('clang', ['--target=wasm32', '-O2', '-std=c17', '-ffp-contract=off', '-Wall', '-Wextra', '-Werror', '-nostdlib', ...folders,
                            '-Wl,--no-entry', '-Wl,--strip-all', '-o', module, ...sources], { stdio: ['ignore', 'inherit', 'inherit'] });

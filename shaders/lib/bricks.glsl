@@ -7,13 +7,6 @@
 
 #include "maps.glsl"
 
-const uint OLX_BRICK_SIDE = 4u; // cells along the side of a brick
-const uint OLX_BRICK_CELL_WORDS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE / 2u;
-const uint OLX_BRICK_PROBES = 8u; // the most in a list
-const uint OLX_BRICK_LIST_WORDS = OLX_BRICK_PROBES / 2u;
-const uint OLX_BRICK_NO_PROBE = 0xFFFFu;
-const uint OLX_BRICK_DIVIDED = 0x80000000u;
-const uint OLX_BRICK_HEADER_WORDS = 16u; // origin, side of a cell, size in bricks, numbers of divided bricks and lists
 
 // Returns where the list of the cell around a point begins; a point outside all cells gets the list of the nearest one.
 uint olx_bricks_list(vec3 point) {

@@ -7,7 +7,6 @@
 #include "vec.glsl"
 
 // Below this roughness the lobe is a perfect mirror.
-#define OLX_MIRROR_ROUGHNESS 0.03
 
 struct olx_bsdf {
   vec3 albedo; // base colour * (1 - metallic)

@@ -12,7 +12,7 @@
 #define OLX_CLASSIC_SET 3
 #endif
 
-// The buffer begins with the words of the header, which hold the offsets of the parts (src/vulkan/classic_pass.c).
+// The buffer begins with the words of the header, which hold the offsets of the parts (src/vulkan/vulkan_classic.c).
 layout(set = OLX_CLASSIC_SET, binding = 0, std430) readonly buffer olx_classic_block { uint olx_classic[]; };
 
 struct olx_classic_weights {
@@ -54,12 +54,12 @@ vec3 olx_classic_parallax(uint probe, vec3 position, vec3 direction) {
 
 // Returns scale and bias of F0, for the cosine between normal and eye.
 vec2 olx_classic_reflectance(float cosine, float roughness) {
-  const float last = float(OLX_CLASSIC_TABLE_WIDTH - 1u);
+  const float last = float(OLX_CLASSIC_TABLE_SIDE - 1u);
   vec2 at = vec2(sqrt(clamp(cosine, 0.0, 1.0)), clamp(roughness, 0.0, 1.0)) * last;
   vec2 first = min(floor(at), vec2(last - 1.0)), part = at - first, sum = vec2(0.0);
-  uint word = olx_classic[OLX_CLASSIC_TABLE] + uint(first.y) * OLX_CLASSIC_TABLE_WIDTH + uint(first.x);
+  uint word = olx_classic[OLX_CLASSIC_TABLE] + uint(first.y) * OLX_CLASSIC_TABLE_SIDE + uint(first.x);
   for (uint i = 0u; i < 4u; i++) {
-    uint code = olx_classic[word + (i >> 1) * OLX_CLASSIC_TABLE_WIDTH + (i & 1u)];
+    uint code = olx_classic[word + (i >> 1) * OLX_CLASSIC_TABLE_SIDE + (i & 1u)];
     float weight = ((i & 1u) != 0u ? part.x : 1.0 - part.x) * (i >> 1 != 0u ? part.y : 1.0 - part.y);
     sum += weight * vec2(olx_half_unpack(code & 0xFFFFu), olx_half_unpack(code >> 16));
   }
@@ -67,13 +67,13 @@ vec2 olx_classic_reflectance(float cosine, float roughness) {
 }
 
 // Returns the number of texels along a side of a level of radiance.
-uint olx_classic_side(uint level) { return max(olx_classic[OLX_CLASSIC_SIZE] >> level, OLX_CLASSIC_LEAST); }
+uint olx_classic_side(uint level) { return max(olx_classic[OLX_CLASSIC_SIZE] >> level, OLX_CLASSIC_LEAST_SIDE); }
 
 // Returns a probe's radiance, filtered for the roughness, around a unit direction.
 vec3 olx_classic_radiance(uint probe, vec3 direction, float roughness) {
   vec2 uv = olx_octahedral_encode(direction);
-  float level = clamp(roughness, 0.0, 1.0) * float(OLX_CLASSIC_LEVEL_COUNT - 1u);
-  uint below = uint(min(level, float(OLX_CLASSIC_LEVEL_COUNT - 2u)));
+  float level = clamp(roughness, 0.0, 1.0) * float(OLX_CLASSIC_LEVELS - 1u);
+  uint below = uint(min(level, float(OLX_CLASSIC_LEVELS - 2u)));
   uint map = olx_classic[OLX_CLASSIC_RADIANCE] + olx_classic[OLX_CLASSIC_RADIANCE_WORDS] * probe;
   for (uint i = 0u; i < below; i++) map += (olx_classic_side(i) + 2u) * (olx_classic_side(i) + 2u);
   uint side = olx_classic_side(below);

@@ -1,6 +1,7 @@
 // Access to a field's data in both languages for which the library is compiled: GLSL for Vulkan, with storage buffers
 // and the descriptor set of a field, and ESSL 3.00 for WebGL2, which has textures alone. All other files read words,
-// probes and probe light through the names defined here; maps of texels are arrays of images in both languages.
+// probes and probe light through the names defined here; maps of texels are arrays of images in both languages. It has
+// no twin in C.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_DATA_GLSL
@@ -14,7 +15,7 @@
 // OLX_DATA_ROW texels wide. Probe light is not uploaded: here a field has no irradiance probes, and hits are shaded.
 const uint OLX_DATA_ROW_BITS = 11u, OLX_DATA_ROW = 1u << OLX_DATA_ROW_BITS;
 
-uniform olx_gpu_field olx_field;
+uniform olx_field_constants olx_field;
 uniform usampler2D olx_word_image;  // a word a texel
 uniform usampler2D olx_probe_image; // light field probes: the bits of x, y and z, and flags
 uniform usampler2DArray olx_normal_maps;
@@ -40,7 +41,9 @@ vec2 olx_moments_filtered(vec3 at) { return vec2(0.0); }
 #define OLX_FIELD_SET 0
 #endif
 
-layout(set = OLX_FIELD_SET, binding = OLX_BINDING_FIELD, std140) uniform olx_field_block { olx_gpu_field olx_field; };
+layout(set = OLX_FIELD_SET, binding = OLX_BINDING_FIELD, std140) uniform olx_field_block {
+  olx_field_constants olx_field;
+};
 layout(set = OLX_FIELD_SET, binding = OLX_BINDING_PROBES, std430) readonly buffer olx_probe_block {
   olx_gpu_probe olx_probes[];
 };

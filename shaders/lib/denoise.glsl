@@ -9,18 +9,12 @@
 
 // The greatest distance of a second pixel from a first one's plane at which both show one surface: so many widths of a
 // pixel, plus this share of the pixels' distance from each other (normal maps tilt planes).
-const float OLX_PLANE_PIXELS = 2.0, OLX_PLANE_SLOPE = 0.1;
 // The least cosine between two normals at which history counts as of the same surface.
-const float OLX_SAME_NORMAL = 0.9;
 // A point seen within this distance of a pixel's centre, in pixels, counts as unmoved.
-const float OLX_STILL_PIXELS = 1e-2;
 // The greatest difference of roughness between surfaces whose glossy light is mixed.
-const float OLX_ROUGHNESS_RANGE = 0.1;
 
 // The sum of weights below which a pixel has no light.
-const float OLX_LEAST_WEIGHT = 1e-6;
 // The share of the four pixels around a point below which its history is not read.
-const float OLX_LEAST_SHARE = 0.01;
 
 // The axes of a camera: right and up lead from the middle of the image plane at distance 1 to its edges.
 struct olx_camera_frame {

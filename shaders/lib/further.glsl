@@ -11,11 +11,7 @@
 
 // Lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of all
 // directions.
-const float OLX_LEAST_REFLECTANCE = 0.15;
-const float OLX_MOST_ROUGHNESS = 0.5;
 // How far from the surface the ray starts, in footprints.
-const float OLX_START_FOOTPRINTS = 0.1;
-const uint OLX_SALT_FURTHER = 0x46555254u;
 
 struct olx_further_ray {
   vec3 origin, direction;

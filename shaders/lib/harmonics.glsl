@@ -4,7 +4,6 @@
 #ifndef OLX_HARMONICS_GLSL
 #define OLX_HARMONICS_GLSL
 
-const uint OLX_HARMONICS_MOST = 9u;
 
 void olx_harmonics_at(vec3 d, out float values[9]) {
   values = float[](1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y);

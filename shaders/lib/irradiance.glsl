@@ -10,10 +10,6 @@
 #include "maps.glsl"
 #include "settings.glsl"
 
-const float OLX_VARIANCE_FLOOR = 1e-3;  // least variance as a share of r^2, the rounding of half float moments
-const float OLX_CRUSH_BELOW = 0.2;      // smaller weights are multiplied by the square of their ratio to it
-const float OLX_BIAS_MAP_SIZE = 32.0;   // visibility is tested off the surface by the angle of such a map's texel
-const float OLX_TRUSTED_WEIGHT = 0.01;  // when a cage's weights sum to less, a more distant probe supplies the rest
 
 struct olx_surface_point {
   vec3 position, normal, view;

@@ -1,5 +1,6 @@
 // Defines what ESSL 3.00, the language of WebGL2, lacks of GLSL 4.60, so that the library is the same text in both.
 // WebGL has no `precise`, so values that decide may there differ by the last bit from place to place.
+// It has no twin in C.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_LANGUAGE_GLSL

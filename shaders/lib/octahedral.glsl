@@ -7,7 +7,6 @@
 #include "vec.glsl"
 
 // sqrt(4 pi): a texel of an n x n map is about this over n wide.
-const float OLX_TEXEL_ANGLE = 3.5449077;
 
 // Maps a direction of any non-zero length to [0, 1]^2.
 vec2 olx_octahedral_encode(vec3 d) {

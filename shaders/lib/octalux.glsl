@@ -8,6 +8,7 @@
 //   olx_glossy(settings, position, normal, view, roughness, random, weight, half_cosine, hit)   light along a lobe
 //
 // The settings come from olx_sample_settings_default(). The scalar C code in src is the specification of all of them.
+// This file has no twin in C.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_OCTALUX_GLSL

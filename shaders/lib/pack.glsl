@@ -47,7 +47,6 @@ vec3 olx_rgb9e5_unpack(uint packed) {
   return vec3(packed & 0x1FFu, packed >> 9 & 0x1FFu, packed >> 18 & 0x1FFu) * scale;
 }
 
-const float OLX_RGB9E5_MOST = 65408.0;
 
 // Packs RGB9E5. Negative numbers and NaN become 0; numbers that are too large become OLX_RGB9E5_MOST.
 uint olx_rgb9e5_pack(vec3 c) {

@@ -8,14 +8,6 @@
 
 #include "maps.glsl"
 
-const float OLX_DISTANCE_PRECISION = 1.0 / 2048.0;     // largest relative error of a half float
-const float OLX_NEIGHBOURHOOD_TEXELS = 1.5;            // how far from a texel's centre its surfel may be hit
-const float OLX_STILL_TEXELS = 1e-3;                   // an image that moves by less counts as a point
-const float OLX_CENTRE_SHARE = 1e-4;                   // a share of |origin|: nearer to the probe, rounding decides
-const float OLX_PARAMETER_ROUNDING = 1.0 / 1048576.0;  // of s and t(s), in units of the piece's largest parameter
-const float OLX_NEVER = 1.2676506002282294e30;         // 2^100
-const int OLX_PYRAMID_FINEST = 2;                      // log2 of the texels along a side of a node of level 0
-const int OLX_PYRAMID_STEP = 2;                        // log2 of a node's sides in nodes of the level below
 
 // A ray relative to a probe: all distances in metres along the unit direction.
 struct olx_probe_ray {
@@ -63,9 +55,6 @@ struct olx_cell {
   float t;
 };
 
-#define OLX_VERDICT_CLEAR 0
-#define OLX_VERDICT_HIT 1
-#define OLX_VERDICT_HIDDEN 2
 
 // Returns the direction of travel along an axis: -1, 0, 1.
 int olx_axis_step(olx_image_axis a) { return int(a.travel > 0.0) - int(a.travel < 0.0); }

@@ -1,5 +1,5 @@
-// Twin of the parts of relighting that use numbers alone (src/shade/relighter*.c): rays to lights, and how texels and
-// probes of the volume receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
+// Twin of src/shade/relighter*.c, as far as these use numbers alone: rays to lights, and how texels and probes of the
+// volume receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
 // have its buffers.
 //
 // SPDX-License-Identifier: MIT

@@ -6,9 +6,6 @@
 
 #include "maps.glsl"
 
-const float OLX_SIGHT_START = 0.5;
-const float OLX_SIGHT_STUCK = 1.0;
-const float OLX_SIGHT_LEAST_COSINE = 0.1;
 
 // Returns whether the probe sees `point`: whether it lies in front of the plane of the surfel stored in its direction,
 // at most `slack` footprints behind it, or nearer to the probe than the texel's surface can reach. `leaving` is the

@@ -12,16 +12,6 @@
 #include "texels.glsl"
 #include "volume_irradiance.glsl"
 
-const uint OLX_MOST_RANKED = 128u, OLX_MOST_BLENDED = 4u;
-const float OLX_DISTANCE_ERROR = 1.0 / 2048.0;
-const float OLX_NORMAL_ERROR = 0.0111;
-const float OLX_SURFACE_MISS = 0.05;
-const float OLX_SURFACE_REACH = 2.0;
-const float OLX_LEAST_FACING = 0.02;
-const float OLX_LEAST_AGREEMENT = 0.7, OLX_FULL_AGREEMENT = 0.8;
-const float OLX_BLEND_ABOVE = 0.8;
-const float OLX_LEAST_TEXEL_SHARE = 1e-5;
-const float OLX_MOST_CHANGE = 4.0;
 // Sources of light, as bits.
 const uint OLX_SOURCE_TEXELS = 1u, OLX_SOURCE_VOLUME = 2u, OLX_SOURCE_PROBES = 4u;
 

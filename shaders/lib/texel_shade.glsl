@@ -8,7 +8,6 @@
 #include "lights.glsl"
 #include "texels.glsl"
 
-const float OLX_STORED_NORMAL_ERROR = 0.0111; // radians
 
 // A texel's surface, prepared for shading.
 struct olx_texel_surface {

@@ -8,8 +8,6 @@
 #include "bsdf.glsl"
 #include "maps.glsl"
 
-const uint OLX_EMISSION_TILE = 8u; // texels along a side of a tile of emission
-const float OLX_REFLECTANCE_FULL = 128.0; // a specular weight of 1
 
 // Returns the place of a texel in images of surfaces, for the probe whose maps begin at `origin`. Images of blocks have
 // no border, so the texel must not be of the border, here and in the functions below.

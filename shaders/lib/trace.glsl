@@ -14,10 +14,6 @@
 #include "texel_shade.glsl"
 #include "voronoi.glsl"
 
-const float OLX_HAND_OVER_FOOTPRINTS = 0.5;
-const float OLX_VANISHED_FOOTPRINTS = 1.5;
-const float OLX_OFF_LINE = 4.0;
-const uint OLX_REMEMBERED = 127u; // as in src/trace/trace.c
 
 struct olx_trace_hit {
   uint status;           // OLX_TRACE_*

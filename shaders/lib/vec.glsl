@@ -6,7 +6,8 @@
 
 #include "language.glsl"
 
-#define OLX_PI 3.14159265358979323846
+#include "../octalux_shared.h"
+
 #define OLX_INFINITY uintBitsToFloat(0x7F800000u)
 
 float olx_square(float x) { return x * x; }

@@ -20,14 +20,6 @@ uint olx_volume_word(uint index) { return olx_word(olx_field.volume_first + inde
 bool olx_has_volume() { return olx_field.volume_first != 0u; }
 #endif
 
-const uint OLX_VOLUME_HEADER_WORDS = 16u;
-const uint OLX_VOLUME_SPLIT_WORDS = 8u;
-const uint OLX_VOLUME_CELL_WORDS = 8u;
-const uint OLX_VOLUME_BLOCK_ENTRIES = 64u;
-const uint OLX_VOLUME_PROBE_WORDS = 14u; // half floats, two a word
-const uint OLX_VOLUME_CELL = 1u, OLX_VOLUME_BLOCK = 2u, OLX_VOLUME_SPLIT = 3u; // the two high bits of an entry
-const uint OLX_VOLUME_NUMBER = 0x07FFFFFFu;
-const float OLX_VOLUME_LIFT = 1.0 / 65536.0; // in front of a surface, in sides of a cube
 
 // Finds the list of the probes of a place's cell, and the place's position in the cell; false where there is no cell.
 bool olx_volume_find(vec3 position, out uint cell, out vec3 fraction) {
@@ -44,21 +36,21 @@ bool olx_volume_find(vec3 position, out uint cell, out vec3 fraction) {
   if (!(all(greaterThanEqual(place, vec3(0.0))) && all(lessThan(place, vec3(size))))) return false;
   uvec3 cube = uvec3(place);
   uint entry = olx_volume_word(index + cube.x + size.x * (cube.y + size.y * cube.z));
-  for (float parts = 4.0; parts <= 16.0 && entry >> 30 == OLX_VOLUME_BLOCK; parts *= 4.0) {
+  for (float parts = 4.0; parts <= 16.0 && (entry & OLX_VOLUME_KIND) == OLX_VOLUME_BLOCK; parts *= 4.0) {
     uvec3 part = uvec3(place * parts) & 3u;
     uint first = blocks + (entry & OLX_VOLUME_NUMBER) * OLX_VOLUME_BLOCK_ENTRIES;
     entry = olx_volume_word(first + (part.x | part.y << 2 | part.z << 4));
   }
-  while (entry >> 30 == OLX_VOLUME_SPLIT) {
+  while ((entry & OLX_VOLUME_KIND) == OLX_VOLUME_SPLIT) {
     uint split = splits + (entry & OLX_VOLUME_NUMBER) * OLX_VOLUME_SPLIT_WORDS;
     vec3 normal = vec3(uintBitsToFloat(olx_volume_word(split)), uintBitsToFloat(olx_volume_word(split + 1u)),
                        uintBitsToFloat(olx_volume_word(split + 2u)));
     bool front = olx_dot(normal, position) > uintBitsToFloat(olx_volume_word(split + 3u));
     entry = olx_volume_word(split + (front ? 5u : 4u));
   }
-  if (entry >> 30 != OLX_VOLUME_CELL) return false;
+  if ((entry & OLX_VOLUME_KIND) != OLX_VOLUME_CELL) return false;
   cell = cells + (entry & OLX_VOLUME_NUMBER) * OLX_VOLUME_CELL_WORDS;
-  fraction = fract(place * float(1u << (entry >> 27 & 7u)));
+  fraction = fract(place * float(1u << (entry >> OLX_VOLUME_LEVEL_SHIFT & 7u)));
   return true;
 }
 
@@ -73,7 +65,7 @@ uint olx_volume_light(uint probe) {
   uint splits = olx_volume_word(8u), cells = olx_volume_word(9u), blocks = olx_volume_word(7u);
   uint cubes = olx_volume_word(4u) * olx_volume_word(5u) * olx_volume_word(6u);
   return OLX_VOLUME_HEADER_WORDS + splits * OLX_VOLUME_SPLIT_WORDS + cells * OLX_VOLUME_CELL_WORDS +
-         blocks * OLX_VOLUME_BLOCK_ENTRIES + cubes + probe * OLX_VOLUME_PROBE_WORDS;
+         blocks * OLX_VOLUME_BLOCK_ENTRIES + cubes + probe * (OLX_VOLUME_HALVES / 2u);
 }
 
 // Returns the k-th of the coefficients that begin at a word, k from 0 to 8.

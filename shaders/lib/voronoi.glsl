@@ -8,9 +8,6 @@
 
 #include "maps.glsl"
 
-const uint OLX_VORONOI_HEADER_WORDS = 4u; // texels along the side of a map, and three unused words
-const uint OLX_CHOICES = 4u;              // the most probes that a texel lists, best first
-const uint OLX_FEW_PROBES = 64u;
 
 struct olx_nearest {
   vec3 point;

@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "guide.glsl"
 
-layout(push_constant, std430) uniform olx_accumulate_block { olx_gpu_accumulate job; };
+layout(push_constant, std430) uniform olx_accumulate_block { olx_accumulate_constants job; };
 layout(set = 0, binding = OLX_BINDING_DENOISE_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = OLX_BINDING_DENOISE_NORMAL) uniform sampler2D normal_image;
 layout(set = 0, binding = OLX_BINDING_DENOISE_ROUGHNESS) uniform sampler2D roughness_image;

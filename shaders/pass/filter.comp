@@ -6,7 +6,7 @@
 
 #include "../lib/bsdf.glsl"
 
-layout(push_constant, std430) uniform olx_filter_block { olx_gpu_filter job; };
+layout(push_constant, std430) uniform olx_filter_block { olx_filter_constants job; };
 layout(set = 0, binding = OLX_BINDING_GUIDE) uniform usampler2D guide_image;
 layout(set = 0, binding = OLX_BINDING_LIGHT) uniform sampler2D light_image;
 layout(set = 0, binding = OLX_BINDING_ROWS) uniform sampler2D rows_image;
@@ -15,7 +15,6 @@ layout(set = 0, binding = OLX_BINDING_FILTER_ROUGHNESS) uniform sampler2D roughn
 layout(set = 0, binding = OLX_BINDING_OUT_ROWS, rgba16f) uniform writeonly image2D out_rows;
 layout(set = 0, binding = OLX_BINDING_OUT_TARGET, rgba16f) uniform image2D out_target;
 
-const float LEAST_FRESNEL = 0.01; // as in trace.comp
 
 bool has_flag(uint flag) { return (job.flags & flag) != 0u; }
 bool glossy() { return has_flag(OLX_DENOISE_GLOSSY); }
@@ -56,8 +55,8 @@ void write_glossy(ivec2 pixel, olx_shown middle, vec3 light) {
   olx_bsdf bsdf = olx_bsdf_make(texelFetch(albedo_image, pixel, 0).rgb, material.y, material.x, material.z);
   float cosine = olx_dot(olx_normalize(job.camera.eye.xyz - middle.position), middle.normal);
   if (!olx_bsdf_has_specular(bsdf) || olx_lobe_is_dim(bsdf, cosine, job.dim_lobe)) return;
-  vec3 reflected = light * max(olx_fresnel(bsdf, cosine), vec3(LEAST_FRESNEL));
-  imageStore(out_target, pixel, vec4(min(reflected, vec3(LARGEST_HALF)), imageLoad(out_target, pixel).a));
+  vec3 reflected = light * max(olx_fresnel(bsdf, cosine), vec3(OLX_LEAST_FRESNEL));
+  imageStore(out_target, pixel, vec4(min(reflected, vec3(OLX_HALF_MOST)), imageLoad(out_target, pixel).a));
 }
 
 void main() {
@@ -67,7 +66,7 @@ void main() {
   olx_camera_frame camera = camera_of(job.camera, has_flag(OLX_DENOISE_MIRRORED));
   olx_shown middle = guide_shows(guide, camera, vec2(size_of(job.size)), vec2(pixel) + shift_of(job.camera));
   vec4 mean = guide_is_empty(guide) ? vec4(0.0) : mean_along(pixel, guide, camera, middle);
-  if (!columns()) imageStore(out_rows, pixel, min(mean, vec4(LARGEST_HALF)));
+  if (!columns()) imageStore(out_rows, pixel, min(mean, vec4(OLX_HALF_MOST)));
   else if (guide_is_empty(guide)) return;
   else if (glossy()) write_glossy(pixel, middle, mean.rgb);
   else imageStore(out_target, pixel, vec4(mean.rgb, 1.0));

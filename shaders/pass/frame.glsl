@@ -6,7 +6,7 @@
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
-layout(push_constant, std430) uniform olx_frame_block { olx_gpu_frame frame; };
+layout(push_constant, std430) uniform olx_frame_block { olx_frame_constants frame; };
 layout(set = 1, binding = OLX_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 1, binding = OLX_BINDING_SURFACE_NORMAL) uniform sampler2D normal_image;
 layout(set = 1, binding = OLX_BINDING_ALBEDO) uniform sampler2D albedo_image;
@@ -22,7 +22,6 @@ layout(set = 2, binding = OLX_BINDING_SAMPLE, rgba16f) uniform writeonly image2D
 
 // The renderer's seeds for the random numbers of each pass.
 const uint DIFFUSE_BRANCH = 0x85EBCA6Bu + 2u, GLOSSY_BRANCH = 0x85EBCA6Bu + 3u;
-const float LARGEST_HALF = 65504.0;
 
 struct frame_surface {
   vec3 position, normal, view;
@@ -67,7 +66,7 @@ bool read_surface(ivec2 pixel, out frame_surface surface) {
   return true;
 }
 
-vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(LARGEST_HALF)), alpha); }
+vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(OLX_HALF_MOST)), alpha); }
 
 // Returns the seed of a pixel's random numbers.
 uint pixel_seed(uvec2 pixel, uint branch) {
@@ -78,7 +77,7 @@ uint pixel_seed(uvec2 pixel, uint branch) {
 // Stores the light of a pixel's rays for the denoiser, if the lobe is denoised; a negative nearness means that the
 // pixel has no such light.
 void write_sample(ivec2 pixel, vec3 light, float nearness) {
-  if (has_flag(OLX_FRAME_SAMPLE)) imageStore(sample_image, pixel, storable(light, min(nearness, LARGEST_HALF)));
+  if (has_flag(OLX_FRAME_SAMPLE)) imageStore(sample_image, pixel, storable(light, min(nearness, OLX_HALF_MOST)));
 }
 
 #endif

@@ -9,8 +9,6 @@
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
-const float LARGEST_HALF = 65504.0;
-
 uvec2 size_of(uint size) { return uvec2(size & 0xFFFFu, size >> 16); }
 
 olx_camera_frame camera_of(olx_gpu_camera c, bool mirrored) {
@@ -37,7 +35,7 @@ olx_shown guide_shows(uvec4 guide, olx_camera_frame camera, vec2 size, vec2 pixe
 
 olx_incident incident_of(vec4 texel) { return olx_incident(texel.rgb, texel.a); }
 vec4 storable(olx_incident incident) {
-  return vec4(clamp(incident.light, vec3(0.0), vec3(LARGEST_HALF)), incident.inverse_distance);
+  return vec4(clamp(incident.light, vec3(0.0), vec3(OLX_HALF_MOST)), incident.inverse_distance);
 }
 
 #endif

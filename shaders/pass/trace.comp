@@ -7,7 +7,6 @@
 #include "frame.glsl"
 
 // The least factor between incident and reflected light, so that dividing by it is harmless.
-const float LEAST_FRESNEL = 0.01;
 
 // The sums over a pixel's rays.
 struct gathered {
@@ -53,7 +52,7 @@ void write_gathered(ivec2 pixel, frame_surface surface, gathered sum, uint count
   vec3 light = sum.light / float(count);
   imageStore(glossy_image, pixel, storable(light, 1.0 - float(sum.unknown) / float(count)));
   vec3 fresnel = olx_fresnel(surface.bsdf, olx_dot(surface.view, surface.normal));
-  write_sample(pixel, light / max(fresnel, vec3(LEAST_FRESNEL)), sum.nearness / float(count));
+  write_sample(pixel, light / max(fresnel, vec3(OLX_LEAST_FRESNEL)), sum.nearness / float(count));
 }
 
 void main() {

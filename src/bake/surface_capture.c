@@ -19,9 +19,6 @@ enum {
   LIGHT_SIDE = 4, // texels along the side of a block whose samples of lights are stratified together
 };
 
-// A texel's side, as a share of the distance, is this over the texels along a map's side: the root of 4 pi.
-static const float VIEW_SIDE = 3.5449077f;
-
 // A texel, and what rays through the parts of it met.
 typedef struct texel_samples {
   uint32_t x, y;
@@ -47,7 +44,7 @@ static uint32_t texel_index(const olx_surface_capture *c, const texel_samples *t
 }
 
 static float footprint(const olx_surface_capture *c, float distance) {
-  return distance * VIEW_SIDE / (float)c->capture->size;
+  return distance * OLX_TEXEL_ANGLE / (float)c->capture->size;
 }
 
 // Whether a sample lies on the surface at the texel's middle: of the same make, and no step in between.

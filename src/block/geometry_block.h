@@ -8,6 +8,7 @@
 //
 // A block holds one plane in floats, or two coded ones with a bit for each texel, or the numbers of coded planes in a
 // pool. Any 16 bytes decode without harm; the baker never writes blocks that olx_geometry_check refuses.
+// Its twin is shaders/lib/geometry_block.glsl.
 #ifndef OLX_BLOCK_GEOMETRY_BLOCK_H
 #define OLX_BLOCK_GEOMETRY_BLOCK_H
 

@@ -6,13 +6,11 @@
 // light is albedo * irradiance / pi whether the irradiance is interpolated, traced or path traced.
 //
 // Directions are in the shading frame (normal = +z), unit, pointing away from the surface.
+// Its twin is shaders/lib/bsdf.glsl.
 #ifndef OLX_CORE_BSDF_H
 #define OLX_CORE_BSDF_H
 
 #include "core/vec.h"
-
-// Below this roughness the lobe is a perfect mirror.
-#define OLX_MIRROR_ROUGHNESS 0.03f
 
 typedef struct olx_bsdf {
   olx_vec3 albedo; // base colour * (1 - metallic)

@@ -1,11 +1,10 @@
 // Spherical harmonics of the bands 0, 1 and 2 as plain polynomials of a unit direction (docs/maths.md, "Spherical
 // harmonics"): 1; y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2. Constant factors are left to the coefficients.
+// Its twin is shaders/lib/harmonics.glsl.
 #ifndef OLX_CORE_HARMONICS_H
 #define OLX_CORE_HARMONICS_H
 
 #include "core/vec.h"
-
-enum { OLX_HARMONICS_MOST_BANDS = 3, OLX_HARMONICS_MOST = OLX_HARMONICS_MOST_BANDS * OLX_HARMONICS_MOST_BANDS };
 
 static inline uint32_t olx_harmonics_count(uint32_t bands) { return bands * bands; }
 

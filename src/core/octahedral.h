@@ -1,5 +1,5 @@
 // The octahedral map of the sphere onto the unit square (Cigolle et al. 2014), with y as the axis (docs/maths.md).
-// These are the only functions that encode and decode it.
+// These are the only functions that encode and decode it. Its twin is shaders/lib/octahedral.glsl.
 #ifndef OLX_CORE_OCTAHEDRAL_H
 #define OLX_CORE_OCTAHEDRAL_H
 

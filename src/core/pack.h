@@ -1,5 +1,5 @@
 // The packed formats of a field: R11G11B10F, RGB9E5, half floats, and unit vectors in two bytes. Packing rounds to
-// nearest.
+// nearest. Its twin is shaders/lib/pack.glsl.
 #ifndef OLX_CORE_PACK_H
 #define OLX_CORE_PACK_H
 
@@ -69,9 +69,6 @@ static inline olx_vec3 olx_r11g11b10f_unpack(uint32_t packed) {
   return olx_v3(olx_small_float_unpack(packed & 0x7FFu, 6), olx_small_float_unpack((packed >> 11) & 0x7FFu, 6),
                 olx_small_float_unpack(packed >> 22, 5));
 }
-
-// The largest number in RGB9E5.
-#define OLX_RGB9E5_MOST 65408.0f
 
 // Packs nine bits of mantissa for each of red (low bits), green and blue, and one exponent in the high 5 bits:
 // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32. Negative numbers and NaN become 0; numbers that are too large become

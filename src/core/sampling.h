@@ -1,4 +1,4 @@
-// Deterministic random numbers, and samples of distributions drawn from them.
+// Deterministic random numbers, and samples of distributions drawn from them. Its twin is shaders/lib/sampling.glsl.
 #ifndef OLX_CORE_SAMPLING_H
 #define OLX_CORE_SAMPLING_H
 

@@ -1,12 +1,12 @@
-// Vector maths on olx_vec3, named as in GLSL.
+// Vector maths on olx_vec3, named as in GLSL. Its twin is shaders/lib/vec.glsl.
 #ifndef OLX_CORE_VEC_H
 #define OLX_CORE_VEC_H
+
+#include "shaders/octalux_shared.h"
 
 #include <octalux/base.h>
 
 #include <math.h>
-
-#define OLX_PI 3.14159265358979323846f
 
 static inline float olx_min(float a, float b) { return a < b ? a : b; }
 static inline float olx_max(float a, float b) { return a > b ? a : b; }

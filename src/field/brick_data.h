@@ -3,21 +3,15 @@
 #ifndef OLX_FIELD_BRICK_DATA_H
 #define OLX_FIELD_BRICK_DATA_H
 
+#include "shaders/octalux_shared.h"
+
 #include <octalux/field.h>
 
 enum {
-  OLX_BRICK_SIDE = 4, // cells along the side of a brick
   OLX_BRICK_CELLS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE,
-  OLX_BRICK_CELL_WORDS = OLX_BRICK_CELLS / 2,  // two cells a word
-  OLX_BRICK_PROBES = 8,                        // the most in a list
-  OLX_BRICK_LIST_WORDS = OLX_BRICK_PROBES / 2, // two probes a word
   OLX_BRICK_MOST_LISTS = 1 << 16,
-  OLX_BRICK_NO_PROBE = 0xFFFF, // fills the free places of a list
   OLX_BRICK_MOST_PROBES = OLX_BRICK_NO_PROBE
 };
-
-// Marks a brick that has cells of its own; without it the brick has one list.
-#define OLX_BRICK_DIVIDED 0x80000000u
 
 typedef struct olx_bricks_header {
   float origin[3];
@@ -28,7 +22,7 @@ typedef struct olx_bricks_header {
   uint32_t zero[7];
 } olx_bricks_header;
 
-_Static_assert(sizeof(olx_bricks_header) == 64, "docs/format.md");
+_Static_assert(sizeof(olx_bricks_header) == OLX_BRICK_HEADER_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // Pointers into the structure. Lists hold probes, best first; every number is in range once olx_bricks_open has passed.
 typedef struct olx_bricks {

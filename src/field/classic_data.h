@@ -5,12 +5,7 @@
 
 #include "core/vec.h"
 
-enum {
-  OLX_CLASSIC_LEVELS = 5, // levels of prefiltered radiance, for roughness 0, 1/4, 1/2, 3/4, 1
-  OLX_CLASSIC_LEAST_SIDE = 8,
-  OLX_CLASSIC_TABLE_SIDE = 64,
-  OLX_CLASSIC_TABLE_ENTRIES = OLX_CLASSIC_TABLE_SIDE * OLX_CLASSIC_TABLE_SIDE
-};
+enum { OLX_CLASSIC_TABLE_ENTRIES = OLX_CLASSIC_TABLE_SIDE * OLX_CLASSIC_TABLE_SIDE };
 
 // The header of the classic maps, in the chunk CLAS.
 typedef struct olx_classic_header {

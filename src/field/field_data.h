@@ -70,8 +70,6 @@ struct olx_field {
   char *name; // name of the file, for messages
 };
 
-enum { OLX_PROBE_BURIED = 1 };
-
 static inline olx_vec3 olx_grid_position(const olx_grid *grid, uint32_t probe) {
   const uint32_t x = probe % grid->count[0], y = probe / grid->count[0] % grid->count[1],
                  z = probe / grid->count[0] / grid->count[1];

@@ -127,7 +127,7 @@ void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHU
 // (docs/baking.md, "What a bake takes").
 uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size);
 
-// Returns whether a Vulkan device holds chunks of that kind as they are in the file (src/vulkan/gpu_field.c).
+// Returns whether a Vulkan device holds chunks of that kind as they are in the file (src/vulkan/vulkan_field.c).
 bool olx_chunk_is_on_device(olx_chunk_kind kind);
 
 // Describes the file behind a field to core/chunk_file.h.

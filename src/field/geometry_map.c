@@ -28,7 +28,7 @@ static lengths lengths_of(olx_block_place place) {
 
 // Rounds a magnitude down to a half float. What is finite stays finite.
 static uint16_t half_below(float f) {
-  const uint16_t code = olx_half_pack(olx_min(f, 65504.0f));
+  const uint16_t code = olx_half_pack(olx_min(f, OLX_HALF_MOST));
   return (uint16_t)(code - (olx_half_unpack(code) > f));
 }
 

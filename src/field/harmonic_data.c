@@ -3,7 +3,7 @@
 #include "field/harmonic_data.h"
 
 // Packs a value as a half float; values beyond its range are clamped so that they stay finite.
-static uint16_t pack_finite(float value) { return olx_half_pack(olx_clamp(value, -65504.0f, 65504.0f)); }
+static uint16_t pack_finite(float value) { return olx_half_pack(olx_clamp(value, -OLX_HALF_MOST, OLX_HALF_MOST)); }
 
 void olx_harmonics_pack(const olx_vec3 *coefficients, uint32_t bands, uint16_t halves[OLX_HARMONICS_MOST_HALVES]) {
   const uint32_t count = olx_harmonics_count(bands);

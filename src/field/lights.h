@@ -1,4 +1,4 @@
-// Evaluates the lights without area that a field stores (LITE), without shadows.
+// Evaluates the lights without area that a field stores (LITE), without shadows. Its twin is shaders/lib/lights.glsl.
 #ifndef OLX_FIELD_LIGHTS_H
 #define OLX_FIELD_LIGHTS_H
 

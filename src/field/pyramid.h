@@ -4,15 +4,13 @@
 #ifndef OLX_FIELD_PYRAMID_H
 #define OLX_FIELD_PYRAMID_H
 
+#include "shaders/octalux_shared.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum {
-  OLX_PYRAMID_MAX_LEVELS = 4,
-  OLX_PYRAMID_FINEST = 2, // log2 of the texels along a side of a node of level 0
-  OLX_PYRAMID_STEP = 2    // log2 of the side of a node, in nodes of the level below
-};
+enum { OLX_PYRAMID_MAX_LEVELS = 4 };
 
 // Level 0 is the finest; every level above it has at least four nodes a side.
 typedef struct olx_pyramid_shape {

@@ -5,12 +5,7 @@
 #include "core/vec.h"
 #include "field/field_data.h"
 
-#define OLX_NO_PROBE UINT32_MAX
-
-enum {
-  OLX_MAX_CODED_PROBES = 65535,
-  OLX_CHOICES = 4 // the most probes that a texel or a leaf lists, best first
-};
+enum { OLX_MAX_CODED_PROBES = 65535 };
 
 // Returns the bytes of a probe's code: one in fields of up to 255 probes, else two. A code with all bits set means no
 // probe.
@@ -34,7 +29,7 @@ typedef struct olx_voronoi_header {
   uint32_t zero[3];
 } olx_voronoi_header;
 
-_Static_assert(sizeof(olx_voronoi_header) == 16, "docs/format.md");
+_Static_assert(sizeof(olx_voronoi_header) == OLX_VORONOI_HEADER_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // The header of OCTR. After it come the nodes, level by level from the root, a u32 each. An inner node holds the index
 // of the first of its eight children, which follow each other (bit 0 of a child is the upper half in x, 1 in y, 2 in

@@ -9,11 +9,7 @@
 
 #include "shaders/octalux_shared.h"
 
-enum {
-  OLX_EMISSION_TILE = 8, // texels along a side of a tile of emission
-  OLX_EMISSION_TILE_TEXELS = OLX_EMISSION_TILE * OLX_EMISSION_TILE,
-  OLX_FIELD_MOST_LIGHTS = 1 << 20
-};
+enum { OLX_EMISSION_TILE_TEXELS = OLX_EMISSION_TILE * OLX_EMISSION_TILE, OLX_FIELD_MOST_LIGHTS = 1 << 20 };
 
 typedef enum olx_field_light_type { OLX_FIELD_SUN = 0, OLX_FIELD_POINT = 1, OLX_FIELD_SPOT = 2 } olx_field_light_type;
 

@@ -1,6 +1,6 @@
 // Reads what a texel of a light field probe stores of the surface that it sees. `texel` is an index into a bordered map
 // (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that
-// decodes these chunks. For the sky, only emission is defined.
+// decodes these chunks. For the sky, only emission is defined. Its twin is shaders/lib/texels.glsl.
 #ifndef OLX_FIELD_TEXELS_H
 #define OLX_FIELD_TEXELS_H
 

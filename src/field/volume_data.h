@@ -10,24 +10,11 @@
 #include <octalux/field.h>
 
 enum {
-  OLX_VOLUME_LEVELS = 4,         // how often a cube may be halved
-  OLX_VOLUME_BLOCK_ENTRIES = 64, // 4 x 4 x 4 parts of a cube, or of such a part
+  OLX_VOLUME_LEVELS = 4, // how often a cube may be halved
   OLX_VOLUME_CORNERS = 8,
-  OLX_VOLUME_BANDS = 3, // of spherical harmonics
-  OLX_VOLUME_HALVES = 28,
-  OLX_VOLUME_MOST_SPLITS = 6, // the most in succession
-  OLX_VOLUME_LEVEL_SHIFT = 27
+  OLX_VOLUME_BANDS = 3,      // of spherical harmonics
+  OLX_VOLUME_MOST_SPLITS = 6 // the most in succession
 };
-
-// How far in front of its surface a place is looked up, in sides of a cube: 1 / 4096 of the smallest cell.
-#define OLX_VOLUME_LIFT 0x1p-16f
-
-// What an entry refers to, in its two highest bits. An entry of 0 is empty: no free space was found there.
-#define OLX_VOLUME_KIND 0xC0000000u
-#define OLX_VOLUME_CELL 0x40000000u   // a cell; bits 27 to 29: how often its cube was halved
-#define OLX_VOLUME_BLOCK 0x80000000u  // 64 entries for the parts
-#define OLX_VOLUME_SPLIT 0xC0000000u  // a plane with an entry for either side
-#define OLX_VOLUME_NUMBER 0x07FFFFFFu // of the cell, block or split
 
 typedef struct olx_volume_header {
   float origin[3];
@@ -37,7 +24,7 @@ typedef struct olx_volume_header {
   uint32_t zero[5];
 } olx_volume_header;
 
-_Static_assert(sizeof(olx_volume_header) == 64, "docs/format.md");
+_Static_assert(sizeof(olx_volume_header) == OLX_VOLUME_HEADER_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // A plane that divides a cell where a surface passes through it: either side has probes of its own.
 typedef struct olx_volume_split {
@@ -46,12 +33,14 @@ typedef struct olx_volume_split {
   uint32_t zero[2];
 } olx_volume_split;
 
-_Static_assert(sizeof(olx_volume_split) == 32, "docs/format.md");
+_Static_assert(sizeof(olx_volume_split) == OLX_VOLUME_SPLIT_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // The probes at a cell's corners: bit 0 of a corner is x, bit 1 is y, bit 2 is z.
 typedef struct olx_volume_cell {
   uint32_t probes[OLX_VOLUME_CORNERS];
 } olx_volume_cell;
+
+_Static_assert(sizeof(olx_volume_cell) == OLX_VOLUME_CELL_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // Pointers into the structure; every number is in range once olx_volume_open has passed.
 typedef struct olx_volume {

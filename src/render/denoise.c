@@ -1,5 +1,5 @@
 // Denoises one ray per pixel (McGuire et al. 2017, section 5.1): blends it into the history of its surface, found by
-// reprojection, and filters along rows and columns across pixels of that surface.
+// reprojection, and filters along rows and columns across pixels of that surface. Its twin is shaders/lib/denoise.glsl.
 #include "render/denoise.h"
 
 #include "core/hooks.h"
@@ -7,21 +7,6 @@
 #include "core/result.h"
 
 #include <string.h>
-
-// Two pixels show the same surface when the second lies off the first one's plane by at most this many pixel widths, or
-// by this share of their distance, since normal maps tilt planes.
-static const float PLANE_PIXELS = 2.0f, PLANE_SLOPE = 0.1f;
-// Least cosine between two pixels' normals for history to be reused between them.
-static const float SAME_NORMAL = 0.9f;
-// A point that reprojects this close to a pixel's centre, in pixels, counts as not moved.
-static const float STILL_PIXELS = 1e-2f;
-// Glossy light is not shared between surfaces whose roughness differs by more than this.
-static const float ROUGHNESS_RANGE = 0.1f;
-
-// A pixel whose weights sum to less than this has no value.
-static const float LEAST_WEIGHT = 1e-6f;
-// History is not read when less than this share of the four pixels around a point is valid.
-static const float LEAST_SHARE = 0.01f;
 
 // The accumulated value at a surface point: the mean over `count` frames.
 typedef struct known {
@@ -98,7 +83,7 @@ static shown show(const olx_guide *guide, uint32_t x, uint32_t y) {
 
 // How well a point fits the plane through another: from 1 on the plane to 0 on another surface.
 static float plane_fit(olx_vec3 offset, olx_vec3 normal, float pixel_metres) {
-  const float tolerance = PLANE_PIXELS * pixel_metres + PLANE_SLOPE * olx_length(offset);
+  const float tolerance = OLX_PLANE_PIXELS * pixel_metres + OLX_PLANE_SLOPE * olx_length(offset);
   return olx_max(0.0f, 1.0f - fabsf(olx_dot(offset, normal)) / tolerance);
 }
 
@@ -110,18 +95,18 @@ static bool is_sample(olx_incident incident) {
 
 // Whether a pixel of the previous frame showed the surface that `now` shows.
 static bool same_surface(const shown *now, const shown *before) {
-  if (!(olx_dot(before->normal, now->normal) > SAME_NORMAL)) return false;
+  if (!(olx_dot(before->normal, now->normal) > OLX_SAME_NORMAL)) return false;
   return plane_fit(olx_sub(before->position, now->position), now->normal, now->depth * now->pixel_angle) > 0.0f;
 }
 
 // Rounds a position in the previous frame to a pixel's centre when it is very close.
 static float settle(float at) {
   const float nearest = floorf(at + 0.5f);
-  return fabsf(at - nearest) < STILL_PIXELS ? nearest : at;
+  return fabsf(at - nearest) < OLX_STILL_PIXELS ? nearest : at;
 }
 
 static bool stands_still(olx_vec2 at, olx_vec2 pixel) {
-  return fabsf(at.x - pixel.x) < STILL_PIXELS && fabsf(at.y - pixel.y) < STILL_PIXELS;
+  return fabsf(at.x - pixel.x) < OLX_STILL_PIXELS && fabsf(at.y - pixel.y) < OLX_STILL_PIXELS;
 }
 
 // The bilinear weight of one of the four pixels around a position, `corner` 0 to 3 from the top left.
@@ -168,7 +153,7 @@ static known look_back(const accumulate_job *job, const shown *s, olx_vec2 at) {
     sum.count += weight * job->from->count[tap];
     weight_sum += weight;
   }
-  if (weight_sum < LEAST_SHARE) return nothing_known;
+  if (weight_sum < OLX_LEAST_SHARE) return nothing_known;
   sum.incident.light = olx_scale(sum.incident.light, 1.0f / weight_sum);
   sum.incident.inverse_distance /= weight_sum;
   sum.count /= weight_sum;
@@ -243,7 +228,7 @@ static float tap_weight(const olx_lobe_filter *filter, olx_lobe lobe, const show
                  olx_square(olx_square(olx_square(cosine)));
   if (weight <= 0.0f) return 0.0f;
   if (lobe == OLX_LOBE_GLOSSY) {
-    weight *= olx_max(0.0f, 1.0f - fabsf(tap->roughness - middle->roughness) / ROUGHNESS_RANGE);
+    weight *= olx_max(0.0f, 1.0f - fabsf(tap->roughness - middle->roughness) / OLX_ROUGHNESS_RANGE);
   }
   if (filter->reach > 0.0f) {
     const float nearness = 0.5f * (here.inverse_distance + olx_max(tap_inverse_distance, 0.0f));
@@ -285,7 +270,7 @@ static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool colum
     sum.incident.light = olx_madd(sum.incident.light, from->incident[tap].light, weight);
     sum.count += weight;
   }
-  if (sum.count > LEAST_WEIGHT) sum.incident.light = olx_scale(sum.incident.light, 1.0f / sum.count);
+  if (sum.count > OLX_LEAST_WEIGHT) sum.incident.light = olx_scale(sum.incident.light, 1.0f / sum.count);
   else sum = (known){.count = 0.0f};
   return sum;
 }

@@ -6,9 +6,6 @@
 #include "render/denoise.h"
 #include "render/field_renderer.h"
 
-// Lower bound of the factor from incident to reflected glossy light, so that dividing by it is safe.
-#define LEAST_FRESNEL 0.01f
-
 // The surfaces of a frame, which a guide points to.
 typedef struct surface_buffers {
   float *depth, *roughness;
@@ -88,7 +85,7 @@ static void shade_pixel(frame_job *job, const shaded_pixel *p, olx_render_stats 
   job->diffuse_factor[p->pixel] = olx_scale(p->shading.diffuse, 1.0f / OLX_PI);
   const bool traced = p->shading.has_specular && !olx_field_lobe_is_dim(&job->context, &p->shading);
   const olx_vec3 fresnel = olx_fresnel(&surface->bsdf, p->shading.view.z);
-  job->glossy_factor[p->pixel] = traced ? olx_max_each(fresnel, olx_splat(LEAST_FRESNEL)) : olx_splat(0.0f);
+  job->glossy_factor[p->pixel] = traced ? olx_max_each(fresnel, olx_splat(OLX_LEAST_FRESNEL)) : olx_splat(0.0f);
   const double start = olx_thread_seconds();
   sample_diffuse(job, p, stats);
   const double diffuse = olx_thread_seconds();

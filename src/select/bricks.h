@@ -1,4 +1,5 @@
 // Finds the probes that see a place, from the bricks (docs/maths.md, "Choosing probes").
+// Its twin is shaders/lib/bricks.glsl.
 #ifndef OLX_SELECT_BRICKS_H
 #define OLX_SELECT_BRICKS_H
 

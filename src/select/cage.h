@@ -1,4 +1,5 @@
 // The cage: the probes at the corners of a grid cell (McGuire et al. 2017, section 4.1, Figure 3).
+// Its twin is shaders/lib/cage.glsl.
 #ifndef OLX_SELECT_CAGE_H
 #define OLX_SELECT_CAGE_H
 

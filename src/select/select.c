@@ -1,4 +1,5 @@
 // Chooses the selector for a field: the requested one where the field has it, else the best that the field has.
+// Its twin is shaders/lib/select.glsl.
 #include "select/select.h"
 
 bool olx_select_available(const olx_field *field, olx_select select) {

@@ -1,19 +1,12 @@
 // Decides whether a probe sees a place, by the surface that it stores in that direction.
+// Its twin is shaders/lib/sight.glsl.
 #ifndef OLX_SELECT_SIGHT_H
 #define OLX_SELECT_SIGHT_H
 
 #include "field/maps.h"
 
-// How far behind a stored surface a place may lie and still count as on it, in footprints of the texel: at a ray's
-// start, and where another probe lost a ray.
-#define OLX_SIGHT_START 0.5f // at the start
-#define OLX_SIGHT_STUCK 1.0f // where another probe lost it
-
-// Surfels seen at flatter angles than this cosine are treated as if seen at this one.
-static const float OLX_SIGHT_LEAST_COSINE = 0.1f;
-
 // Returns the side of a texel of an n x n map at distance 1: the square root of its mean solid angle.
-static inline float olx_mean_texel_angle(uint32_t n) { return 3.5449077f / (float)n; }
+static inline float olx_mean_texel_angle(uint32_t n) { return OLX_TEXEL_ANGLE / (float)n; }
 
 // Implements olx_probe_sees for a field of geometry blocks: `offset` from the probe falls into texel (x, y) at uv, and
 // the texel's plane decides.

@@ -1,11 +1,10 @@
 // Finds the nearest probe by a k-d tree, and the Delaunay neighbours whose directions are nearest in angle to the place
-// where a ray was lost.
+// where a ray was lost. Its twin is shaders/lib/voronoi.glsl.
 #include "select/voronoi.h"
 
 #include "core/octahedral.h"
 
-// Up to this many probes are searched one by one; about here the tree begins to pay off (docs/studies.md).
-enum { FEW_PROBES = 64, MAX_DEPTH = 17 };
+enum { MAX_DEPTH = 17 };
 
 typedef struct nearest {
   const olx_field *field;
@@ -58,7 +57,7 @@ static void search_tree(nearest *n) {
 
 uint32_t olx_voronoi_nearest(const olx_field *field, olx_vec3 point, bool buried) {
   nearest n = {.field = field, .point = point, .buried = buried, .probe = OLX_NO_PROBE, .distance = INFINITY};
-  if (field->info.probes.count > FEW_PROBES) {
+  if (field->info.probes.count > OLX_FEW_PROBES) {
     search_tree(&n);
   } else {
     for (uint32_t i = 0; i < field->info.probes.count; i++) consider(&n, i);

@@ -1,5 +1,5 @@
 // Evaluates classic maps, irradiance probes without visibility: trilinear irradiance, and prefiltered radiance with
-// parallax corrected by a box, times a tabulated reflectance.
+// parallax corrected by a box, times a tabulated reflectance. Its twin is shaders/lib/classic.glsl.
 #include "shade/classic.h"
 
 #include "core/result.h"

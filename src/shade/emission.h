@@ -1,4 +1,4 @@
-// Computes what a ray that met an emitter contributes, and how far light came.
+// Computes what a ray that met an emitter contributes, and how far light came. Its twin is shaders/lib/emission.glsl.
 #ifndef OLX_SHADE_EMISSION_H
 #define OLX_SHADE_EMISSION_H
 

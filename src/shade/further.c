@@ -1,17 +1,8 @@
-// Draws the further ray of glossy light and computes its contribution.
+// Draws the further ray of glossy light and computes its contribution. Its twin is shaders/lib/further.glsl.
 #include "shade/further.h"
 
 #include "core/sampling.h"
 #include "shade/emission.h"
-
-// Lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of all
-// directions.
-static const float LEAST_REFLECTANCE = 0.15f;
-static const float MOST_ROUGHNESS = 0.5f;
-// How far from the surface the ray starts, in footprints.
-static const float START_FOOTPRINTS = 0.1f;
-
-enum { SALT_FURTHER = 0x46555254 };
 
 bool olx_further_draw(const olx_field *field, const olx_trace_hit *hit, olx_vec3 direction, olx_vec2 random,
                       olx_further_ray *ray) {
@@ -19,16 +10,16 @@ bool olx_further_draw(const olx_field *field, const olx_trace_hit *hit, olx_vec3
   const olx_bsdf bsdf = olx_texel_material(field, hit->probe, hit->texel);
   const olx_vec3 view = olx_negate(direction);
   const float cosine = olx_dot(view, hit->normal);
-  if (!(cosine > 0.0f) || bsdf.alpha > olx_square(MOST_ROUGHNESS)) return false;
-  if (olx_max3(olx_fresnel(&bsdf, cosine)) < LEAST_REFLECTANCE) return false;
+  if (!(cosine > 0.0f) || bsdf.alpha > olx_square(OLX_MOST_ROUGHNESS)) return false;
+  if (olx_max3(olx_fresnel(&bsdf, cosine)) < OLX_LEAST_REFLECTANCE) return false;
   olx_vec3 tangent, bitangent;
   olx_basis(hit->normal, &tangent, &bitangent);
-  const uint32_t seed = olx_hash3(olx_float_bits(random.x), olx_float_bits(random.y), SALT_FURTHER);
+  const uint32_t seed = olx_hash3(olx_float_bits(random.x), olx_float_bits(random.y), OLX_SALT_FURTHER);
   const olx_vec2 drawn = {olx_unit_float(seed), olx_unit_float(olx_hash(seed))};
   float weight, half_cosine;
   const olx_vec3 local = olx_ggx_sample(bsdf.alpha, olx_v3(olx_dot(view, tangent), olx_dot(view, bitangent), cosine),
                                         drawn, &weight, &half_cosine);
-  ray->origin = olx_madd(hit->position, hit->normal, START_FOOTPRINTS * hit->footprint_metres);
+  ray->origin = olx_madd(hit->position, hit->normal, OLX_START_FOOTPRINTS * hit->footprint_metres);
   ray->direction = olx_from_basis(local, hit->normal);
   ray->weight = olx_scale(olx_fresnel(&bsdf, half_cosine), weight);
   return weight > 0.0f;

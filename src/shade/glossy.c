@@ -1,4 +1,5 @@
 // Draws rays from the specular lobe of a surface, traces them through the field, and weights the light that they find.
+// Its twin is shaders/lib/glossy.glsl.
 #include "shade/glossy.h"
 
 #include "shade/emission.h"

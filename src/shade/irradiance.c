@@ -1,20 +1,8 @@
 // Interpolates irradiance between the probes of a cage, each weighted by Chebyshev's bound on its visibility, and falls
-// back on more distant probes where the cage hardly sees the point.
+// back on more distant probes where the cage hardly sees the point. Its twin is shaders/lib/irradiance.glsl.
 #include "shade/irradiance.h"
 
 #include <assert.h>
-
-// The least variance, as a share of r^2: moments are half floats with relative errors up to 2^-11, so smaller variances
-// are rounding.
-static const float VARIANCE_FLOOR = 1e-3f;
-// Weights below this are multiplied by the square of their ratio to it (after Majercik et al. 2019).
-static const float CRUSH_BELOW = 0.2f;
-// How far from the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, which
-// is two thirds of the standard deviation of the filter on distances (bake/quadrature.h), or a texel of the moments'
-// own map where that is coarser.
-static const float BIAS_MAP_SIZE = 32.0f;
-// When the weights of a cage sum to less than this, a more distant probe supplies the rest.
-static const float TRUSTED_WEIGHT = 0.01f;
 
 typedef struct surface_point {
   olx_vec3 position, normal, view;
@@ -74,7 +62,7 @@ static float chebyshev(const olx_irradiance_source *s, uint32_t probe, olx_vec3 
   const olx_vec2 moments = map_moments(s, probe, offset);
   const float r = olx_length(offset), beyond = r - moments.x;
   if (beyond <= 0.0f) return 1.0f;
-  const float variance = olx_max(moments.y - moments.x * moments.x, VARIANCE_FLOOR * moments.x * moments.x);
+  const float variance = olx_max(moments.y - moments.x * moments.x, OLX_VARIANCE_FLOOR * moments.x * moments.x);
   return variance / (variance + beyond * beyond);
 }
 
@@ -82,7 +70,7 @@ static float visibility(const olx_irradiance_source *s, uint32_t terms, uint32_t
                         const surface_point *p) {
   if (!(terms & OLX_WEIGHT_CHEBYSHEV)) return 1.0f;
   if (terms & OLX_WEIGHT_BIAS) {
-    const float angle = 3.5449077f / olx_min((float)s->moments_n, BIAS_MAP_SIZE); // sqrt(4 pi / n^2)
+    const float angle = OLX_TEXEL_ANGLE / olx_min((float)s->moments_n, OLX_BIAS_MAP_SIZE); // sqrt(4 pi / n^2)
     from_probe = olx_madd(from_probe, olx_normalize(olx_add(p->normal, p->view)), olx_length(from_probe) * angle);
   }
   const float bound = chebyshev(s, probe, from_probe);
@@ -96,7 +84,7 @@ static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32
     const float cosine = -olx_dot(olx_normalize(from_probe), p->normal);
     weight *= olx_square(0.5f * (cosine + 1.0f));
   }
-  if (terms & OLX_WEIGHT_CRUSH && weight < CRUSH_BELOW) weight *= olx_square(weight / CRUSH_BELOW);
+  if (terms & OLX_WEIGHT_CRUSH && weight < OLX_CRUSH_BELOW) weight *= olx_square(weight / OLX_CRUSH_BELOW);
   return weight;
 }
 
@@ -166,10 +154,10 @@ olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *s, uint
     weights.weight[weights.count++] = weight;
     sum += weight;
   }
-  const float scale = 1.0f / olx_max(sum, TRUSTED_WEIGHT);
+  const float scale = 1.0f / olx_max(sum, OLX_TRUSTED_WEIGHT);
   for (uint32_t i = 0; i < weights.count; i++) weights.weight[i] *= scale;
-  if (sum < TRUSTED_WEIGHT) {
-    add_from_afar(s, terms, keep_buried, &p, &cage, 1.0f - sum / TRUSTED_WEIGHT, &weights);
+  if (sum < OLX_TRUSTED_WEIGHT) {
+    add_from_afar(s, terms, keep_buried, &p, &cage, 1.0f - sum / OLX_TRUSTED_WEIGHT, &weights);
   }
   return weights;
 }

@@ -1,4 +1,5 @@
 // Holds the defaults of the settings for sampling a field, and refuses settings that a field does not support.
+// Its twin is shaders/lib/settings.glsl.
 #include "core/result.h"
 #include "select/select.h"
 

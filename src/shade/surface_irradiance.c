@@ -1,5 +1,6 @@
 // Interpolates diffuse light of static surfaces from those probes near a point that see its own surface, each by the
 // four texels around the point's direction, as far as they see that surface.
+// Its twin is shaders/lib/surface_irradiance.glsl.
 #include "shade/surface_irradiance.h"
 
 #include "field/texels.h"
@@ -9,27 +10,6 @@
 #include "shade/irradiance.h"
 #include "shade/volume_irradiance.h"
 
-enum { MOST_RANKED = 128, MOST_BLENDED = 4 };
-
-// The errors of packing: the relative error of a half float, and the angular error of a normal in two bytes, in
-// radians.
-static const float DISTANCE_ERROR = 0x1p-11f;
-static const float NORMAL_ERROR = 0.0111f;
-// How far a texel's surface may miss the point beyond the errors of packing, in footprints.
-static const float SURFACE_MISS = 0.05f;
-// How far away along the surface a texel may be, in footprints divided by the cosine at which its probe sees it.
-static const float SURFACE_REACH = 2.0f;
-// Surfaces that face a probe with a smaller cosine than this are too grazing for its texels.
-static const float LEAST_FACING = 0.02f;
-// Normals agree fully above the second of these cosines, and not at all below the first.
-static const float LEAST_AGREEMENT = 0.7f, FULL_AGREEMENT = 0.8f;
-// A probe contributes where its weight exceeds this share of the best probe's.
-static const float BLEND_ABOVE = 0.8f;
-// A smaller share of texels than this is rounding.
-static const float LEAST_SHARE = 1e-5f;
-// The greatest factor by which a normal map brightens a surface.
-static const float MOST_CHANGE = 4.0f;
-
 typedef struct ranked_probe {
   uint32_t probe;
   float weight; // cosine / r^2
@@ -37,7 +17,7 @@ typedef struct ranked_probe {
 
 typedef struct ranking {
   uint32_t count, most;
-  ranked_probe probes[MOST_RANKED];
+  ranked_probe probes[OLX_MOST_RANKED];
 } ranking;
 
 // Returns how well a probe sees a point; 0 when it cannot.
@@ -62,7 +42,7 @@ static void rank(const olx_field *field, const olx_sample_settings *settings, co
 }
 
 static uint32_t most_ranked(const olx_sample_settings *settings) {
-  return settings->max_probes < MOST_RANKED ? settings->max_probes : MOST_RANKED;
+  return settings->max_probes < OLX_MOST_RANKED ? settings->max_probes : OLX_MOST_RANKED;
 }
 
 // Ranks the probes of the point's brick, or of its cage in a field without bricks, best first.
@@ -127,7 +107,7 @@ static bool see_texel(const olx_field *field, const probe_view *v, size_t texel,
 
 // Returns how far packing may move the point off the texel's surface, in metres.
 static float packing_error(const seen_texel *t) {
-  return DISTANCE_ERROR * t->distance * fabsf(t->facing) + NORMAL_ERROR * t->away;
+  return OLX_DISTANCE_ERROR * t->distance * fabsf(t->facing) + OLX_NORMAL_ERROR * t->away;
 }
 
 // Returns 1 where the texel sees the surface on which the point lies, 0 where it does not, and values between where
@@ -138,12 +118,12 @@ static float packing_error(const seen_texel *t) {
 // the other anywhere between the points, as facets do, so the chord may be perpendicular to either normal.
 static float texel_agrees(const probe_view *v, const seen_texel *t) {
   const float agreement = olx_dot(t->normal, v->normal), footprint = t->distance * v->angle;
-  if (!(t->facing > LEAST_FACING && agreement > LEAST_AGREEMENT)) return 0.0f;
+  if (!(t->facing > OLX_LEAST_FACING && agreement > OLX_LEAST_AGREEMENT)) return 0.0f;
   // The sum of the normals has the length 2 cos(angle / 2), which is 1.5 + 0.5 cos(angle) to within 0.4 % here.
   const float height = fabsf(olx_dot(olx_add(t->normal, v->normal), t->step)) * (1.0f / (1.5f + 0.5f * agreement));
   const float along = t->away * t->away - height * height;
-  if (along * olx_square(t->facing) > olx_square(SURFACE_REACH * footprint)) return 0.0f;
-  const float alike = olx_min((agreement - LEAST_AGREEMENT) / (FULL_AGREEMENT - LEAST_AGREEMENT), 1.0f);
+  if (along * olx_square(t->facing) > olx_square(OLX_SURFACE_REACH * footprint)) return 0.0f;
+  const float alike = olx_min((agreement - OLX_LEAST_AGREEMENT) / (OLX_FULL_AGREEMENT - OLX_LEAST_AGREEMENT), 1.0f);
   const float flat = v->miss * footprint + packing_error(t);
   if (2.0f * height <= flat) return alike;
   const float half_turn = sqrtf(0.5f * olx_max(1.0f - agreement, 0.0f)); // sine of half the angle between the normals
@@ -173,7 +153,7 @@ static probe_view view_from(const olx_field *field, const olx_sample_settings *s
                       .offset = offset,
                       .normal = point->geometric_normal,
                       .angle = sqrtf(olx_texel_solid_angle_near(olx_octahedral_encode(offset), field->n)),
-                      .miss = SURFACE_MISS + settings->surface_tolerance};
+                      .miss = OLX_SURFACE_MISS + settings->surface_tolerance};
 }
 
 static texel_light read_texels(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
@@ -205,13 +185,13 @@ static texel_light read_texels(const olx_field *field, const olx_sample_settings
 // The blended irradiance of some probes, in the order of their greatest possible weights.
 typedef struct blend {
   uint32_t count;
-  float weight[MOST_BLENDED], best;
-  olx_vec3 irradiance[MOST_BLENDED];
+  float weight[OLX_MOST_BLENDED], best;
+  olx_vec3 irradiance[OLX_MOST_BLENDED];
 } blend;
 
 // Adds the light of a probe, unless its share is no more than rounding.
 static void add_light(blend *b, const texel_light *light, float weight_of_rank) {
-  if (light->share < LEAST_SHARE) return;
+  if (light->share < OLX_LEAST_TEXEL_SHARE) return;
   const float weight = weight_of_rank * light->share;
   b->weight[b->count] = weight;
   b->irradiance[b->count++] = olx_scale(light->sum, 1.0f / light->share);
@@ -223,8 +203,8 @@ static void add_light(blend *b, const texel_light *light, float weight_of_rank) 
 // becomes the best, both weights are equal.
 static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                         const ranking *r, blend *b) {
-  for (uint32_t i = 0; i < r->count && b->count < MOST_BLENDED; i++) {
-    if (r->probes[i].weight <= BLEND_ABOVE * b->best) break;
+  for (uint32_t i = 0; i < r->count && b->count < OLX_MOST_BLENDED; i++) {
+    if (r->probes[i].weight <= OLX_BLEND_ABOVE * b->best) break;
     const texel_light light = read_texels(field, settings, r->probes[i].probe, point);
     add_light(b, &light, r->probes[i].weight);
   }
@@ -246,7 +226,7 @@ static olx_vec3 mix(const blend *b, uint32_t *probes) {
   olx_vec3 sum = {0};
   float weights = 0.0f;
   for (uint32_t i = 0; i < b->count; i++) {
-    const float weight = b->weight[i] / b->best - BLEND_ABOVE;
+    const float weight = b->weight[i] / b->best - OLX_BLEND_ABOVE;
     if (weight <= 0.0f) continue;
     sum = olx_madd(sum, b->irradiance[i], weight);
     weights += weight;
@@ -300,7 +280,7 @@ olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_
   const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
   if (olx_dot(bent, bent) > 1e-6f) {
     const olx_vec3 change = normal_map_change(field, settings, point);
-    light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(MOST_CHANGE)));
+    light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
   }
   return light;
 }

@@ -1,5 +1,6 @@
 // Looks up irradiance in the volume. The cell around a place, on the place's side of the surfaces that divide it, has
 // eight probes; their spherical harmonics are interpolated linearly and evaluated once.
+// Its twin is shaders/lib/volume_irradiance.glsl.
 #include "shade/volume_irradiance.h"
 
 #include <assert.h>

@@ -86,7 +86,7 @@ WIDE void set_axis(wide_axis *a, words which, reals begin, reals end, reals sign
   const words first = pick_word(begin > real(last), last, pick_word(begin > real(lowest), truncated(begin), lowest));
   const reals travel = end - begin;
   const words moving = magnitude(travel) > OLX_STILL_TEXELS, forward = travel > 0.0f;
-  const reals inverse = pick(moving, (1.0f + 0x1p-21f) / travel, splat(0x1p100f));
+  const reals inverse = pick(moving, (1.0f + 0x1p-21f) / travel, splat(OLX_NEVER));
   a->begin = pick(which, pick(moving, begin, real(first) + 0.5f), a->begin);
   a->travel = pick(which, (reals)(moving & (words)travel), a->travel);
   a->inverse = pick(which, inverse, a->inverse);

@@ -1,5 +1,5 @@
 // Traces a ray through one probe's map: divides it into pieces whose images in the octahedral square are straight, and
-// marches along each in turn.
+// marches along each in turn. Its twin is shaders/lib/probe_trace.glsl.
 #include "trace/probe_trace.h"
 
 #include "trace/march.h"
@@ -32,7 +32,7 @@ static olx_image_axis make_axis(float begin, float end, float sign, uint32_t n) 
   const float travel = end - begin;
   const int32_t first = olx_clamp_texel(sign, begin, n);
   if (!(fabsf(travel) > OLX_STILL_TEXELS)) { // lines ahead are never crossed; those behind always have been
-    return (olx_image_axis){.begin = (float)first + 0.5f, .inverse = 0x1p100f, .ahead = 1, .first = first};
+    return (olx_image_axis){.begin = (float)first + 0.5f, .inverse = OLX_NEVER, .ahead = 1, .first = first};
   }
   return (olx_image_axis){
       .begin = begin,

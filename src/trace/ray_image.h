@@ -7,14 +7,6 @@
 
 #include "trace/probe_ray.h"
 
-// An image that moves by less than this over a piece counts as a point: below it, rounding decides the direction.
-static const float OLX_STILL_TEXELS = 1e-3f;
-// The share of the distance of the ray's origin from the probe below which rounding decides the image of a point. The
-// ray then counts as in front of everything.
-static const float OLX_CENTRE_SHARE = 1e-4f;
-// The rounding error of s and of t(s), in units of the piece's largest parameter.
-static const float OLX_PARAMETER_ROUNDING = 0x1p-20f;
-
 // The plane m . p = 1 along a ray: m . p at parameter t is base + slope t.
 typedef struct olx_ray_plane {
   float base, slope;
@@ -51,7 +43,7 @@ typedef struct olx_piece {
   float slack;                  // how far rounding may move t(s), metres
 } olx_piece;
 
-typedef enum olx_verdict { OLX_VERDICT_CLEAR, OLX_VERDICT_HIT, OLX_VERDICT_HIDDEN } olx_verdict;
+typedef int olx_verdict; // OLX_VERDICT_*
 
 // The texel that the march has reached, and the ray's parameter where it entered it.
 typedef struct olx_cell {

@@ -2,11 +2,6 @@
 // front of it, or is unresolved because the probe cannot see behind it.
 #include "trace/surfel.h"
 
-// The largest relative error of a half float.
-static const float DISTANCE_PRECISION = 0x1p-11f;
-// How far from its texel's centre a surfel may be hit, in texels.
-static const float NEIGHBOURHOOD_TEXELS = 1.5f;
-
 // The surfel of a texel in relation to the ray: f(t) = f0 + f1 t is the ray's height above its plane.
 typedef struct surfel {
   float distance;  // stored, metres
@@ -29,7 +24,7 @@ static surfel read_surfel(const olx_march *m, int32_t x, int32_t y, float distan
   return (surfel){
       .distance = distance,
       .footprint = footprint,
-      .slack = distance * DISTANCE_PRECISION + footprint,
+      .slack = distance * OLX_DISTANCE_PRECISION + footprint,
       .cosine = cosine,
       .f0 = olx_dot(normal, m->ray->origin) + distance * cosine,
       .f1 = olx_dot(normal, m->ray->direction),
@@ -38,7 +33,7 @@ static surfel read_surfel(const olx_march *m, int32_t x, int32_t y, float distan
 
 // Returns how far below a surfel's plane the ray may be and still count as on it, in metres.
 static float plane_tolerance(const surfel *s) {
-  return s->distance * DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.005f * s->footprint;
+  return s->distance * OLX_DISTANCE_PRECISION * olx_max(s->cosine, 0.0f) + 0.005f * s->footprint;
 }
 
 // Returns the largest distance of a texel and its neighbours.
@@ -70,8 +65,8 @@ static bool beyond_reach(olx_march *m, olx_cell c, const surfel *s, float radius
 static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel *s, float t) {
   olx_vec2 image;
   if (!olx_image_at(m, p, t, &image)) return false;
-  if (fabsf(image.x - ((float)c.x + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
-  if (fabsf(image.y - ((float)c.y + 0.5f)) > NEIGHBOURHOOD_TEXELS) return false;
+  if (fabsf(image.x - ((float)c.x + 0.5f)) > OLX_NEIGHBOURHOOD_TEXELS) return false;
+  if (fabsf(image.y - ((float)c.y + 0.5f)) > OLX_NEIGHBOURHOOD_TEXELS) return false;
   const int32_t x = olx_clamp_texel(p->sign_x, image.x, m->field->n),
                 y = olx_clamp_texel(p->sign_z, image.y, m->field->n);
   m->steps++;

@@ -1,11 +1,9 @@
 // Shades the surface that a texel stores for a ray's direction: the diffuse and the specular lobe in direct and
 // indirect light, and the highlights of lights without area, whose shadows are inferred from stored direct light.
+// Its twin is shaders/lib/texel_shade.glsl.
 #include "trace/texel_shade.h"
 
 #include "field/lights.h"
-
-// The largest angular error of stored normals in radians; no highlight is narrower.
-static const float NORMAL_ERROR = 0.0111f;
 
 // A texel's surface, prepared for shading.
 typedef struct texel_surface {
@@ -25,7 +23,7 @@ typedef struct unshadowed {
 // Returns specular radiance towards the eye per irradiance on a surface that faces the light; the cosine at the surface
 // is included.
 static olx_vec3 highlight(const texel_surface *s, olx_vec3 to_light, float cosine_light) {
-  const float alpha = sqrtf(olx_square(s->bsdf.alpha) + olx_square(NORMAL_ERROR));
+  const float alpha = sqrtf(olx_square(s->bsdf.alpha) + olx_square(OLX_STORED_NORMAL_ERROR));
   const olx_vec3 half = olx_normalize(olx_add(s->view, to_light)), off = olx_cross(half, s->normal);
   const float sine2 = olx_dot(off, off), along = olx_dot(half, s->normal), a2 = alpha * alpha;
   const float d = sine2 + along * along * a2;

@@ -1,4 +1,5 @@
 // Traces a ray against the whole field: probe after probe until one resolves it (McGuire et al. 2017, Listing 1).
+// Its twin is shaders/lib/trace.glsl.
 #include "select/bricks.h"
 #include "select/cage.h"
 #include "select/octree.h"
@@ -10,20 +11,8 @@
 
 #include <string.h>
 
-// A ray remembers tried probes by their numbers modulo this, a bit each. That is exact in fields of no more probes; in
-// larger ones a probe may be taken for tried because another was. A prime, so that it does not align with the strides
-// of grids.
-enum { REMEMBERED = 127 };
 // The number of rays that olx_trace_rays follows side by side.
 enum { TOGETHER = 64 };
-
-// How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
-// within a texel, and the ray must not slip through the surface that it was about to hit.
-static const float HAND_OVER_FOOTPRINTS = 0.5f;
-// An unresolved ray that vanished behind a surface by at most this many footprints is taken to end there.
-static const float VANISHED_FOOTPRINTS = 1.5f;
-// The cost of a first probe's squared distance from the ray's line, relative to its squared distance from the origin.
-static const float OFF_LINE = 4.0f;
 
 typedef struct search {
   const olx_field *field;
@@ -32,7 +21,7 @@ typedef struct search {
   float t, t_max; // the ray is known to be clear up to t
   float lost;     // where the probe that followed it farthest lost it
   uint32_t attempts, limit;
-  uint32_t asked[(REMEMBERED + 31) / 32];
+  uint32_t asked[(OLX_REMEMBERED + 31) / 32];
   uint32_t steps;
   // The best guess if no probe resolves the ray: the surface behind which it vanished by the smallest gap.
   olx_probe_answer fallback;
@@ -50,12 +39,12 @@ static bool is_ray(olx_vec3 origin, olx_vec3 direction, float t_max) {
 }
 
 static bool was_asked(const search *s, uint32_t probe) {
-  const uint32_t bit = probe % REMEMBERED;
+  const uint32_t bit = probe % OLX_REMEMBERED;
   return s->asked[bit / 32] >> bit % 32 & 1u;
 }
 
 static void remember(search *s, uint32_t probe) {
-  const uint32_t bit = probe % REMEMBERED;
+  const uint32_t bit = probe % OLX_REMEMBERED;
   s->asked[bit / 32] |= 1u << bit % 32;
   s->attempts++;
 }
@@ -97,7 +86,7 @@ static bool settles(search *s, const olx_probe_job *job, olx_probe_answer *answe
   }
   const float footprint =
       olx_mean_texel_angle(s->field->n) * olx_length(olx_madd(job->ray.origin, job->ray.direction, answer->t));
-  s->t = olx_max(s->t, answer->t - HAND_OVER_FOOTPRINTS * footprint);
+  s->t = olx_max(s->t, answer->t - OLX_HAND_OVER_FOOTPRINTS * footprint);
   s->lost = olx_max(s->lost, answer->t);
   return false;
 }
@@ -182,7 +171,7 @@ static listed look_up(const search *s) {
     if (!usable(s, probe) || was_asked(s, probe)) continue;
     const olx_vec3 offset = olx_sub(s->field->probe_positions[probe], place);
     l.cost[i] = olx_dot(offset, offset);
-    if (s->attempts == 0) l.cost[i] += OFF_LINE * line_distance_squared(s, probe);
+    if (s->attempts == 0) l.cost[i] += OLX_OFF_LINE * line_distance_squared(s, probe);
   }
   return l;
 }
@@ -353,7 +342,7 @@ static olx_trace_hit search_rest(search *s, float t_max) {
     hit.probes_tried = s->attempts;
     return hit;
   }
-  if (s->fallback.gap < VANISHED_FOOTPRINTS) s->fallback.status = OLX_TRACE_HIT;
+  if (s->fallback.gap < OLX_VANISHED_FOOTPRINTS) s->fallback.status = OLX_TRACE_HIT;
   return describe(s, s->fallback_probe, &s->fallback, t_max);
 }
 

@@ -1,6 +1,6 @@
 // Records the pass that adds indirect light to the host's image: irradiance times the diffuse reflectance of the
 // surface, and glossy light unchanged.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 static const uint32_t WORDS[] = {
 #include "composite.spv.inc"

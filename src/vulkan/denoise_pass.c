@@ -1,7 +1,7 @@
 // Records the denoiser's passes: they mix a frame's rays into the histories of both lobes, and filter these along rows
 // and columns.
 #include "core/vec.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 #include <math.h>
 
@@ -93,7 +93,7 @@ static void record(const olx_vulkan_frame *f, VkCommandBuffer commands, VkPipeli
 static void record_accumulate(const olx_vulkan_frame *f, VkCommandBuffer commands, const olx_vulkan_view *view,
                               const olx_vulkan_settings *s, const camera *now, const camera *before) {
   const olx_denoise_settings *filters = &s->denoise.filters;
-  olx_gpu_accumulate constants = {
+  olx_accumulate_constants constants = {
       .now = now->constants,
       .before = before->constants,
       .size = packed_size(f),
@@ -119,7 +119,7 @@ static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, 
   for (uint32_t lobe = 0; lobe < 2; lobe++) {
     if (!(s->denoise.lobes & (lobe ? OLX_VULKAN_LOBE_GLOSSY : OLX_VULKAN_LOBE_DIFFUSE))) continue;
     const olx_lobe_filter *filter = lobe ? &s->denoise.filters.glossy : &s->denoise.filters.diffuse;
-    const olx_gpu_filter constants = {
+    const olx_filter_constants constants = {
         .camera = now->constants,
         .size = packed_size(f),
         .flags = (lobe ? OLX_DENOISE_GLOSSY : OLX_DENOISE_DIFFUSE) | (columns ? OLX_DENOISE_COLUMNS : 0u) |

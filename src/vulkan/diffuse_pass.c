@@ -1,5 +1,5 @@
 // Records the pass that traces cosine-distributed rays through the field for diffuse light.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 static const uint32_t WORDS[] = {
 #include "diffuse.spv.inc"

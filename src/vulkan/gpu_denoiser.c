@@ -1,5 +1,5 @@
 // Creates the pipelines and descriptor sets of a frame's denoiser, and binds the history and the host's images to them.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 enum {
   ACCUMULATE_STORAGE = OLX_BINDING_GUIDE_NOW,
@@ -13,8 +13,9 @@ olx_result olx_gpu_denoiser_create(olx_vulkan_frame *f) {
   olx_gpu_denoiser *d = &f->denoiser;
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_ACCUMULATE_BINDINGS, ACCUMULATE_STORAGE, &d->accumulate_set_layout));
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_FILTER_BINDINGS, FILTER_STORAGE, &d->filter_set_layout));
-  OLX_TRY(olx_gpu_layout_create(c, 1, &d->accumulate_set_layout, sizeof(olx_gpu_accumulate), &d->accumulate_layout));
-  OLX_TRY(olx_gpu_layout_create(c, 1, &d->filter_set_layout, sizeof(olx_gpu_filter), &d->filter_layout));
+  OLX_TRY(
+      olx_gpu_layout_create(c, 1, &d->accumulate_set_layout, sizeof(olx_accumulate_constants), &d->accumulate_layout));
+  OLX_TRY(olx_gpu_layout_create(c, 1, &d->filter_set_layout, sizeof(olx_filter_constants), &d->filter_layout));
   OLX_TRY(olx_gpu_pipeline_create(c, &olx_accumulate_pass, NULL, d->accumulate_layout, &d->accumulate));
   OLX_TRY(olx_gpu_pipeline_create(c, &olx_filter_pass, NULL, d->filter_layout, &d->filter));
   OLX_TRY(olx_gpu_pool_create(c, 6, SAMPLED, STORED, &d->pool));

@@ -4,7 +4,7 @@
 #define OLX_VULKAN_GPU_RELIGHT_H
 
 #include "shade/relighter_schedule.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 enum { OLX_RELIGHT_MOST_IN_FLIGHT = 8 };
 

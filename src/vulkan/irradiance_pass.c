@@ -1,5 +1,5 @@
 // Records the pass that reads diffuse light from surfaces or interpolates it between irradiance probes.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 static const uint32_t WORDS[] = {
 #include "irradiance.spv.inc"

@@ -2,7 +2,7 @@
 #ifndef OLX_VULKAN_MAP_COPIES_H
 #define OLX_VULKAN_MAP_COPIES_H
 
-#include "vulkan/gpu_field.h"
+#include "vulkan/vulkan_field.h"
 
 enum { OLX_MAP_COPIES_BATCH = 64 };
 

@@ -1,5 +1,5 @@
 // Creates the parts of compute passes: layouts, specialised pipelines, descriptor pools and descriptor sets.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 enum { MAX_BINDINGS = 16 };
 

@@ -138,7 +138,7 @@ static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
   const uint32_t count = r->field_light_count > gpu->light_room ? 0 : r->field_light_count;
   update(v, commands, gpu->buffer, gpu->words[OLX_WORDS_LIGHTS].offset, r->field_lights,
          count * sizeof *r->field_lights);
-  update(v, commands, gpu->buffer, offsetof(olx_gpu_field, light_count), &count, sizeof count);
+  update(v, commands, gpu->buffer, offsetof(olx_field_constants, light_count), &count, sizeof count);
 }
 
 // ---- Passes

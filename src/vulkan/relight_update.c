@@ -169,7 +169,7 @@ static void copy_lights(update_call *call) {
   const uint32_t count = light_count(u);
   copy_words(call, u->relight->field_lights, count * (uint32_t)sizeof(olx_field_light),
              u->gpu->words[OLX_WORDS_LIGHTS].offset);
-  copy_words(call, &count, sizeof count, offsetof(olx_gpu_field, light_count));
+  copy_words(call, &count, sizeof count, offsetof(olx_field_constants, light_count));
 }
 
 static void copy_volume(update_call *call, uint32_t unit) {

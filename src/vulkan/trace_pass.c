@@ -1,5 +1,5 @@
 // Records the pass that traces glossy rays through the field, and the pass that lights dim lobes by irradiance instead.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 static const uint32_t WORDS[] = {
 #include "trace.spv.inc"

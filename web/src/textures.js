@@ -132,7 +132,7 @@ function gridUniform(grid) {
   return { origin: vec4(grid.origin), spacing: vec4(grid.spacing), count: [...grid.count, grid.count.reduce((a, b) => a * b)] };
 }
 
-// The members of olx_gpu_field in shaders/octalux_shared.h.
+// The members of olx_field_constants in shaders/octalux_shared.h.
 function constants(field, { first, lights }, side) {
   const { info, pyramid } = field, n = info.radianceSize;
   return {

@@ -1,6 +1,6 @@
 // Creates what a frame needs on a device: pipelines for the passes that the host's images call for, the sets that bind
 // these images, and the constants of a dispatch.
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 
 #include "core/hooks.h"
 
@@ -148,7 +148,7 @@ static olx_result create_layouts(olx_vulkan_frame *f) {
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_FRAME_BINDINGS, OLX_BINDING_OUT_IRRADIANCE, &f->set_layout));
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_SAMPLE_BINDINGS, 0, &f->sample_set_layout));
   const VkDescriptorSetLayout sets[] = {f->field->set_layout, f->set_layout, f->sample_set_layout};
-  return olx_gpu_layout_create(c, 3, sets, sizeof(olx_gpu_frame), &f->layout);
+  return olx_gpu_layout_create(c, 3, sets, sizeof(olx_frame_constants), &f->layout);
 }
 
 static bool traces(uint32_t pass) { return pass == OLX_PASS_DIFFUSE || pass == OLX_PASS_TRACE; }
@@ -374,9 +374,9 @@ olx_result olx_vulkan_check_pass(const olx_vulkan_frame *f, olx_pass pass, const
                   TRACERS[constants.tracer], olx_select_name(constants.select), HITS[constants.hits]);
 }
 
-olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
+olx_frame_constants olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *s, uint32_t flags) {
-  olx_gpu_frame constants = {
+  olx_frame_constants constants = {
       .eye = {view->eye.x, view->eye.y, view->eye.z, view->empty_depth},
       .width = f->width,
       .height = f->height,
@@ -406,7 +406,7 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags) {
   OLX_TRY(olx_vulkan_check_pass(f, pass, settings));
   const olx_vulkan_functions *vk = &f->field->context.vk;
-  const olx_gpu_frame constants = olx_gpu_frame_constants(f, view, settings, flags);
+  const olx_frame_constants constants = olx_gpu_frame_constants(f, view, settings, flags);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
   const olx_pass_constants choice = constants_of(f, settings);
   const VkPipeline pipeline =

@@ -1,6 +1,6 @@
 // A field on the device: one image for each kind of map, one buffer for all else, and the descriptor set of both.
-#ifndef OLX_VULKAN_GPU_FIELD_H
-#define OLX_VULKAN_GPU_FIELD_H
+#ifndef OLX_VULKAN_FIELD_H
+#define OLX_VULKAN_FIELD_H
 
 #include "field/field_data.h"
 #include "vulkan/context.h"
@@ -46,7 +46,7 @@ typedef struct olx_gpu_words {
 
 struct olx_vulkan_field {
   olx_vulkan_context context;
-  olx_gpu_field constants;
+  olx_field_constants constants;
   olx_gpu_maps maps[OLX_GPU_MAPS]; // in the order of the bindings
   VkBuffer buffer;                 // constants, probes, irradiance probes, and words
   VkDeviceMemory buffer_memory;
@@ -77,7 +77,7 @@ bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field)
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *context, uint32_t mask, VkDescriptorSetLayout *layout);
 void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set);
 
-// Fills a device's buffer and images, which gpu_field.c has created.
+// Fills a device's buffer and images, which vulkan_field.c has created.
 olx_result olx_vulkan_field_upload(olx_vulkan_field *gpu, const olx_field *field);
 
 #endif

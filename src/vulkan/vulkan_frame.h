@@ -1,8 +1,8 @@
 // The passes for one set of the host's images.
-#ifndef OLX_VULKAN_GPU_FRAME_H
-#define OLX_VULKAN_GPU_FRAME_H
+#ifndef OLX_VULKAN_FRAME_H
+#define OLX_VULKAN_FRAME_H
 
-#include "vulkan/gpu_field.h"
+#include "vulkan/vulkan_field.h"
 #include "vulkan/gpu_history.h"
 
 // The passes, in the order of OLX_VULKAN_PASS_*.
@@ -90,7 +90,7 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vu
 // Checks the settings by olx_vulkan_check_settings, and that the frame has the pass.
 olx_result olx_vulkan_check_pass(const olx_vulkan_frame *frame, olx_pass pass, const olx_vulkan_settings *settings);
 
-olx_gpu_frame olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
+olx_frame_constants olx_gpu_frame_constants(const olx_vulkan_frame *frame, const olx_vulkan_view *view,
                                       const olx_vulkan_settings *settings, uint32_t flags);
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);

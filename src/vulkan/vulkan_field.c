@@ -1,6 +1,6 @@
 // Lays out a field on a device: an image for each kind of map, one buffer for all else, and the descriptor set through
 // which every pass reads them.
-#include "vulkan/gpu_field.h"
+#include "vulkan/vulkan_field.h"
 
 #include "core/hooks.h"
 #include "trace/texel_shade.h"
@@ -121,7 +121,7 @@ static olx_result create_buffer(olx_vulkan_field *gpu, const olx_field *field) {
   const VkDeviceSize count = info->irradiance.probe_count ? info->irradiance.probe_count : 1;
   const VkDeviceSize probes = sizeof(olx_gpu_probe) * (VkDeviceSize)info->probes.count,
                      irradiance_probes = sizeof(olx_gpu_probe) * count;
-  gpu->probes_offset = align_buffer(c, sizeof(olx_gpu_field));
+  gpu->probes_offset = align_buffer(c, sizeof(olx_field_constants));
   gpu->irradiance_probes_offset = align_buffer(c, gpu->probes_offset + probes);
   OLX_TRY(check_range(c, probes, "light field probes"));
   OLX_TRY(check_range(c, irradiance_probes, "irradiance probes"));
@@ -143,12 +143,12 @@ static olx_gpu_grid grid_constants(const olx_grid *grid) {
   };
 }
 
-static olx_gpu_field field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
+static olx_field_constants field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_field_info *info = &field->info;
   const olx_gpu_maps *distance = &gpu->maps[OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE],
                      *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE],
                      *surfaces = &gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE];
-  return (olx_gpu_field){
+  return (olx_field_constants){
       .grid = info->probes.has_grid ? grid_constants(&info->probes.grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
       .irradiance_grid = grid_constants(&info->irradiance.grid),
       .scene_min = {info->scene.bounds_min.x, info->scene.bounds_min.y, info->scene.bounds_min.z, 0.0f},
@@ -344,7 +344,7 @@ static olx_result create_set(olx_vulkan_field *gpu) {
 
 void olx_gpu_field_write_set(const olx_vulkan_field *gpu, uint32_t mask, VkDescriptorSet set) {
   const VkDescriptorBufferInfo buffers[OLX_FIELD_BINDINGS] = {
-      [OLX_BINDING_FIELD] = {gpu->buffer, 0, sizeof(olx_gpu_field)},
+      [OLX_BINDING_FIELD] = {gpu->buffer, 0, sizeof(olx_field_constants)},
       [OLX_BINDING_PROBES] = {gpu->buffer, gpu->probes_offset, gpu->irradiance_probes_offset - gpu->probes_offset},
       [OLX_BINDING_IRRADIANCE_PROBES] = {gpu->buffer, gpu->irradiance_probes_offset,
                                          gpu->words[0].offset - gpu->irradiance_probes_offset},

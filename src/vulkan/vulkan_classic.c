@@ -1,7 +1,7 @@
 // Uploads classic maps, irradiance probes without visibility, to a device, and records the pass that lights a frame
 // with them for comparison.
 #include "core/hooks.h"
-#include "vulkan/gpu_frame.h"
+#include "vulkan/vulkan_frame.h"
 #include "vulkan/uploader.h"
 
 static const char WHAT[] = "classic maps on the device";
@@ -10,10 +10,6 @@ static const uint32_t WORDS[] = {
 #include "classic.spv.inc"
 };
 static const olx_pass_code CODE = {"classic", WORDS, sizeof WORDS};
-
-_Static_assert(OLX_CLASSIC_TABLE_WIDTH == OLX_CLASSIC_TABLE_SIDE && OLX_CLASSIC_LEVEL_COUNT == OLX_CLASSIC_LEVELS &&
-                   OLX_CLASSIC_LEAST == OLX_CLASSIC_LEAST_SIDE,
-               "the shader's numbers");
 
 struct olx_vulkan_classic {
   olx_vulkan_field *field;
@@ -162,7 +158,7 @@ static olx_result create_classic(olx_vulkan_classic *classic, const olx_field *f
   OLX_TRY(olx_gpu_set_layout_create(c, OLX_SAMPLE_BINDINGS, 0, &classic->sample_set_layout));
   const VkDescriptorSetLayout sets[] = {classic->field->set_layout, classic->frame_set_layout,
                                         classic->sample_set_layout, classic->set_layout};
-  OLX_TRY(olx_gpu_layout_create(c, 4, sets, sizeof(olx_gpu_frame), &classic->layout));
+  OLX_TRY(olx_gpu_layout_create(c, 4, sets, sizeof(olx_frame_constants), &classic->layout));
   return olx_gpu_pipeline_create(c, &CODE, NULL, classic->layout, &classic->pipeline);
 }
 
@@ -204,7 +200,7 @@ olx_result olx_vulkan_record_classic(const olx_vulkan_frame *f, const olx_vulkan
                                      const olx_vulkan_settings *settings) {
   OLX_TRY(olx_vulkan_check_settings(f, settings));
   const olx_vulkan_functions *vk = &f->field->context.vk;
-  const olx_gpu_frame constants = olx_gpu_frame_constants(f, view, settings, 0);
+  const olx_frame_constants constants = olx_gpu_frame_constants(f, view, settings, 0);
   const VkDescriptorSet sets[] = {f->field->set, f->set};
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, classic->pipeline);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, classic->layout, 0, 2, sets, 0, NULL);

@@ -1,7 +1,7 @@
-// Uploads a field to the buffer and the images of gpu_field.c, some rows of maps at a time, through the uploader's
+// Uploads a field to the buffer and the images of vulkan_field.c, some rows of maps at a time, through the uploader's
 // staging memory.
 #include "field/field_file.h"
-#include "vulkan/gpu_field.h"
+#include "vulkan/vulkan_field.h"
 #include "vulkan/uploader.h"
 
 static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, VkImageLayout from, VkImageLayout to) {

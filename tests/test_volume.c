@@ -3,7 +3,7 @@
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 #include "made_scenes.h"
 #include "scene/builtin_shapes.h"
 #include "shade/surface_irradiance.h"

@@ -1,7 +1,7 @@
 // Checks the chunks that hold classic maps, irradiance probes without visibility, and reads from them the description
 // of the maps and each probe's box for reflections.
 #include "core/result.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 
 static olx_result check_header(const olx_field *field, const olx_classic_header *header) {
   uint32_t reserved = 0;

@@ -1,77 +1,9 @@
-// Defines the chunks of a field file: their order, the shape of each as it follows from the description, and the bytes
-// and checks of the description itself.
+// Stores and loads the description of a field file, and checks it and the positions of probes.
 #include "field/field_file.h"
 
 #include "core/result.h"
 
 #include <octalux/limits.h>
-
-// Returns the row of a map of surfaces, stored as texels or as blocks.
-static olx_chunk_row surface_row(const olx_field_info *info, uint32_t texel_type, uint32_t texel_bytes,
-                                 uint32_t block_type, uint32_t block_bytes) {
-  const uint64_t stride = info->maps.size + 2, side = info->maps.size / OLX_BLOCK_SIDE;
-  return info->maps.compressed ? (olx_chunk_row){block_type, block_bytes, side * side, info->probes.count}
-                               : (olx_chunk_row){texel_type, texel_bytes, stride * stride, info->probes.count};
-}
-
-// Returns the row of the geometry chunk: distances of texels, or blocks.
-static olx_chunk_row geometry_row(const olx_field_info *info) {
-  const uint64_t stride = info->maps.size + 2, side = info->maps.size / OLX_BLOCK_SIDE;
-  return info->maps.geometry_blocks
-             ? (olx_chunk_row){OLX_FOUR_CC('G', 'E', 'O', 'M'), sizeof(olx_geometry_block), side * side,
-                               info->probes.count}
-             : (olx_chunk_row){OLX_FOUR_CC('D', 'I', 'S', 'T'), 2, stride * stride, info->probes.count};
-}
-
-void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]) {
-  const uint64_t side = info->maps.size + 2, texels = side * side;
-  const uint32_t radiance_maps = olx_chunk_is_required(info, OLX_CHUNK_RADIANCE) ? info->probes.count : 0;
-  const uint64_t irradiance_side = info->irradiance.size + 2, irradiance_texels = irradiance_side * irradiance_side;
-  const uint32_t bands = olx_irradiance_bands(info->irradiance.form);
-  const olx_pyramid_shape pyramid = olx_pyramid_shape_of(info->maps.size, info->maps.geometry_blocks);
-  const uint32_t classic = info->classic.size, classic_probes = classic ? info->irradiance.probe_count : 0;
-  const uint64_t classic_side = classic + 2;
-  const uint64_t tiles = (uint64_t)(info->maps.size / OLX_EMISSION_TILE) * (info->maps.size / OLX_EMISSION_TILE);
-  const olx_chunk_row table[OLX_CHUNK_KINDS] = {
-      [OLX_CHUNK_INFO] = {OLX_FOUR_CC('I', 'N', 'F', 'O'), sizeof(olx_file_info), 1, 1},
-      [OLX_CHUNK_PROBE_POSITIONS] = {OLX_FOUR_CC('P', 'P', 'O', 'S'), 4, 3, info->probes.count},
-      [OLX_CHUNK_PROBE_FLAGS] = {OLX_FOUR_CC('P', 'F', 'L', 'G'), 1, 1, info->probes.count},
-      [OLX_CHUNK_RADIANCE] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), 4, texels, radiance_maps},
-      [OLX_CHUNK_NORMAL] = {OLX_FOUR_CC('N', 'O', 'R', 'M'), 2, texels, info->probes.count},
-      [OLX_CHUNK_DISTANCE] = geometry_row(info),
-      [OLX_CHUNK_LEAST] = {OLX_FOUR_CC('D', 'M', 'I', 'N'), 2, pyramid.least_nodes, info->probes.count},
-      [OLX_CHUNK_GREATEST] = {OLX_FOUR_CC('D', 'M', 'A', 'X'), 2, pyramid.greatest_nodes, info->probes.count},
-      [OLX_CHUNK_IRRADIANCE_POSITIONS] = {OLX_FOUR_CC('I', 'P', 'O', 'S'), 4, 3, info->irradiance.probe_count},
-      [OLX_CHUNK_IRRADIANCE_FLAGS] = {OLX_FOUR_CC('I', 'F', 'L', 'G'), 1, 1, info->irradiance.probe_count},
-      [OLX_CHUNK_IRRADIANCE] = {bands ? OLX_FOUR_CC('I', 'R', 'S', 'H') : OLX_FOUR_CC('I', 'R', 'R', 'A'),
-                                bands ? 2 : 4, bands ? olx_harmonics_halves(bands) : irradiance_texels,
-                                info->irradiance.probe_count},
-      [OLX_CHUNK_MOMENTS] = {OLX_FOUR_CC('M', 'O', 'M', 'E'), 4, irradiance_texels, info->irradiance.probe_count},
-      [OLX_CHUNK_BASE] = surface_row(info, OLX_FOUR_CC('B', 'A', 'S', 'E'), 4, OLX_FOUR_CC('B', 'A', 'S', '1'), 8),
-      [OLX_CHUNK_SPECULAR] = surface_row(info, OLX_FOUR_CC('S', 'P', 'E', 'C'), 2, OLX_FOUR_CC('R', 'E', 'F', '5'), 16),
-      [OLX_CHUNK_DIRECT] = surface_row(info, OLX_FOUR_CC('D', 'I', 'R', 'E'), 4, OLX_FOUR_CC('D', 'I', 'R', '6'), 16),
-      [OLX_CHUNK_INDIRECT] = surface_row(info, OLX_FOUR_CC('I', 'N', 'D', 'I'), 4, OLX_FOUR_CC('I', 'N', 'D', '6'), 16),
-      [OLX_CHUNK_EMISSION] = {OLX_FOUR_CC('E', 'M', 'I', 'S'), 4, tiles, info->probes.count},
-      [OLX_CHUNK_LIGHTS] = {OLX_FOUR_CC('L', 'I', 'T', 'E'), sizeof(olx_field_light), 1, 0},
-      [OLX_CHUNK_VORONOI] = {OLX_FOUR_CC('V', 'O', 'R', 'O'), 1, 0, 1},
-      [OLX_CHUNK_OCTREE] = {OLX_FOUR_CC('O', 'C', 'T', 'R'), 1, 0, 1},
-      [OLX_CHUNK_BRICKS] = {OLX_FOUR_CC('B', 'R', 'I', 'K'), 1, 0, 1},
-      [OLX_CHUNK_CLASSIC] = {OLX_FOUR_CC('C', 'L', 'A', 'S'), sizeof(olx_classic_header), 1, 1},
-      [OLX_CHUNK_CLASSIC_IRRADIANCE] = {OLX_FOUR_CC('C', 'I', 'R', 'R'), 4, classic_side * classic_side,
-                                        classic_probes},
-      [OLX_CHUNK_CLASSIC_RADIANCE] = {OLX_FOUR_CC('C', 'R', 'A', 'D'), 4,
-                                      olx_classic_first(classic, OLX_CLASSIC_LEVELS), classic_probes},
-      [OLX_CHUNK_CLASSIC_BOXES] = {OLX_FOUR_CC('C', 'B', 'O', 'X'), 4, 6, classic_probes},
-      [OLX_CHUNK_VOLUME] = {OLX_FOUR_CC('V', 'O', 'L', 'U'), 1, 0, 1},
-      [OLX_CHUNK_VOLUME_POSITIONS] = {OLX_FOUR_CC('V', 'P', 'O', 'S'), 4, 3, info->volume.probe_count},
-      [OLX_CHUNK_VOLUME_IRRADIANCE] = {OLX_FOUR_CC('V', 'I', 'R', 'R'), 2, OLX_VOLUME_HALVES, info->volume.probe_count},
-      [OLX_CHUNK_ORIGIN] = OLX_CHUNK_ORIGIN_ROW,
-      [OLX_CHUNK_EMISSION_TILES] = {OLX_FOUR_CC('E', 'T', 'I', 'L'), 4, OLX_EMISSION_TILE_TEXELS, 0},
-      [OLX_CHUNK_PLANES] = {OLX_FOUR_CC('P', 'L', 'A', 'N'), sizeof(olx_plane_code), 1, 0},
-      [OLX_CHUNK_RELIGHT] = {OLX_FOUR_CC('R', 'L', 'I', 'T'), 1, 0, 1},
-  };
-  for (uint32_t i = 0; i < OLX_CHUNK_KINDS; i++) shapes[i] = olx_chunk_shape_of(&table[i]);
-}
 
 // Expected sizes of what no description determines, measured in furnished rooms.
 enum { EXTRA_BYTES_A_TEXEL_INVERSE = 5, VOLUME_BYTES = 700000 };
@@ -287,30 +219,4 @@ olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const 
     }
   }
   return OLX_OK;
-}
-
-bool olx_chunk_is_on_device(olx_chunk_kind kind) {
-  switch (kind) {
-  case OLX_CHUNK_RADIANCE:
-  case OLX_CHUNK_NORMAL:
-  case OLX_CHUNK_DISTANCE:
-  case OLX_CHUNK_LEAST:
-  case OLX_CHUNK_IRRADIANCE:
-  case OLX_CHUNK_MOMENTS:
-  case OLX_CHUNK_VORONOI:
-  case OLX_CHUNK_BRICKS:
-  case OLX_CHUNK_CLASSIC_IRRADIANCE:
-  case OLX_CHUNK_CLASSIC_RADIANCE:
-  case OLX_CHUNK_DIRECT:
-  case OLX_CHUNK_INDIRECT:
-  case OLX_CHUNK_BASE:
-  case OLX_CHUNK_SPECULAR:
-  case OLX_CHUNK_EMISSION:
-  case OLX_CHUNK_LIGHTS:
-  case OLX_CHUNK_VOLUME:
-  case OLX_CHUNK_VOLUME_IRRADIANCE:
-  case OLX_CHUNK_PLANES:
-  case OLX_CHUNK_EMISSION_TILES: return true;
-  default: return false;
-  }
 }

@@ -1,4 +1,5 @@
-// The bytes of a field file, shared by its reader, its verifier and its writer. docs/format.md is the specification.
+// The bytes of a field file, shared by its reader, its verifier and its writer. docs/format.md is the specification;
+// field/field_chunks.h has a row for each kind of chunk.
 #ifndef OLX_FIELD_FIELD_FILE_H
 #define OLX_FIELD_FIELD_FILE_H
 
@@ -98,19 +99,8 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
 
-// Returns whether a chunk belongs to the radiance seen by light field probes or to irradiance probes. A field has all
-// of these chunks, or none and no irradiance probes.
-static inline bool olx_chunk_is_probe_light(olx_chunk_kind kind) {
-  return kind == OLX_CHUNK_RADIANCE || (kind >= OLX_CHUNK_IRRADIANCE_POSITIONS && kind <= OLX_CHUNK_MOMENTS);
-}
-
 // Returns whether the description alone requires the chunk, which then is not flagged optional.
-static inline bool olx_chunk_is_required(const olx_field_info *info, olx_chunk_kind kind) {
-  if (olx_chunk_is_probe_light(kind)) return info->irradiance.probe_count > 0;
-  if (kind == OLX_CHUNK_NORMAL) return !info->maps.geometry_blocks;
-  if (kind == OLX_CHUNK_PLANES) return info->maps.geometry_blocks;
-  return kind < OLX_CHUNK_REQUIRED || kind == OLX_CHUNK_EMISSION_TILES;
-}
+bool olx_chunk_is_required(const olx_field_info *info, olx_chunk_kind kind);
 
 // Returns the chunk of a selector, or OLX_CHUNK_KINDS for the cage, which needs none.
 static inline olx_chunk_kind olx_select_chunk(olx_select select) {
@@ -148,22 +138,10 @@ olx_result olx_classic_info_check(const olx_field_info *info, const char *name, 
 olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info);
 // Checks that a field may hold this light; `index` is for the message.
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
-// Finds the surfaces and the lights of an open field and checks all that readers rely on.
-olx_result olx_surfaces_open(olx_field *field);
 // Decodes a row of a map of blocks into texels, border included, for readers that cannot decode blocks. Light becomes
 // RGB9E5. Base colours become the bytes of their square roots, red lowest. Specular has roughness in its low byte and
 // olx_reflectance_pack in its high byte.
 void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels);
-// Checks that the surfaces of a probe, and all tiles of emission, hold codes that a writer produces.
-olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe);
-// Finds the classic maps of an open field, if it has any, and checks their structure.
-olx_result olx_classic_open(olx_field *field);
-// Finds the irradiance volume of an open field, if it has one, and checks its structure.
-olx_result olx_field_volume_open(olx_field *field);
-// Finds the data for relighting, if the field has it, and checks it. The volume must be open.
-olx_result olx_relight_open(olx_field *field);
-// Checks that the irradiance of a volume probe holds codes that a writer produces.
-olx_result olx_volume_verify(const olx_field *field, uint32_t probe);
 // Checks that positions are finite and, with a grid, lie on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);

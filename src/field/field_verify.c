@@ -3,9 +3,8 @@
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 #include "field/geometry_map.h"
-#include "field/selector_data.h"
 
 #include <assert.h>
 
@@ -77,7 +76,7 @@ static olx_result check_border(const olx_field *field, const char *what, uint32_
   return OLX_OK;
 }
 
-static olx_result check_flags(const olx_field *field, const char *kind, uint32_t probe, uint8_t flags) {
+static olx_result check_probe_flags(const olx_field *field, const char *kind, uint32_t probe, uint8_t flags) {
   if ((flags & ~OLX_PROBE_BURIED) == 0) return OLX_OK;
   return olx_fail(OLX_ERROR_FORMAT, "%s: flags of %s probe %u: unknown bits (%#x)", field->name, kind, probe, flags);
 }
@@ -139,7 +138,7 @@ static olx_result check_block_pyramid(const olx_field *field, uint32_t probe, si
   return result;
 }
 
-static olx_result check_geometry(const olx_field *field, uint32_t probe) {
+static olx_result check_blocks(const olx_field *field, uint32_t probe) {
   const uint32_t side = field->n / OLX_BLOCK_SIDE, count = side * side;
   for (uint32_t i = 0; i < count; i++) {
     const olx_geometry_block *block = &field->geometry[(size_t)count * probe + i];
@@ -165,11 +164,12 @@ static olx_result check_surface_borders(const olx_field *field, uint32_t probe) 
   return check_border(field, "indirect light", probe, s->indirect + first, field->n, 4);
 }
 
-static olx_result check_probe(const olx_field *field, uint32_t probe) {
-  OLX_TRY(check_flags(field, "light field", probe, field->probe_flags[probe]));
-  OLX_TRY(field->geometry ? check_geometry(field, probe) : check_texels(field, probe));
-  if (!field->info.maps.compressed) OLX_TRY(check_surface_borders(field, probe));
-  return olx_surfaces_verify(field, probe);
+olx_result olx_probe_flags_verify(const olx_field *field, uint32_t probe) {
+  return check_probe_flags(field, "light field", probe, field->probe_flags[probe]);
+}
+
+olx_result olx_geometry_verify(const olx_field *field, uint32_t probe) {
+  return field->geometry ? check_blocks(field, probe) : check_texels(field, probe);
 }
 
 static olx_result check_color_map(const olx_field *field, const char *what, uint32_t probe, const uint32_t *map,
@@ -179,8 +179,17 @@ static olx_result check_color_map(const olx_field *field, const char *what, uint
   return check_border(field, what, probe, map, n, 4);
 }
 
-static olx_result check_radiance(const olx_field *field, uint32_t probe) {
+olx_result olx_radiance_verify(const olx_field *field, uint32_t probe) {
   return check_color_map(field, "radiance", probe, field->radiance + field->texels * probe, field->n);
+}
+
+olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe) {
+  if (!field->info.maps.compressed) OLX_TRY(check_surface_borders(field, probe));
+  return olx_surface_contents_verify(field, probe);
+}
+
+olx_result olx_irradiance_flags_verify(const olx_field *field, uint32_t probe) {
+  return check_probe_flags(field, "irradiance", probe, field->irradiance_flags[probe]);
 }
 
 static olx_result check_harmonics(const olx_field *field, uint32_t probe) {
@@ -191,21 +200,28 @@ static olx_result check_harmonics(const olx_field *field, uint32_t probe) {
                   bad / 3, halves[bad]);
 }
 
-static olx_result check_irradiance(const olx_field *field, uint32_t probe) {
-  OLX_TRY(check_flags(field, "irradiance", probe, field->irradiance_flags[probe]));
+olx_result olx_irradiance_verify(const olx_field *field, uint32_t probe) {
+  if (field->bands) return check_harmonics(field, probe);
+  const uint32_t *map = field->irradiance + field->irradiance_texels * probe;
+  return check_color_map(field, "irradiance", probe, map, field->irradiance_n);
+}
+
+olx_result olx_moments_verify(const olx_field *field, uint32_t probe) {
   const size_t texels = field->irradiance_texels;
   const uint32_t n = field->irradiance_n, *moments = field->moments + texels * probe;
-  OLX_TRY(field->bands ? check_harmonics(field, probe)
-                       : check_color_map(field, "irradiance", probe, field->irradiance + texels * probe, n));
   const size_t bad = first_bad_moments(moments, texels);
   if (bad < texels) return fail_at(field, "moments", probe, bad, n + 2, moments[bad], "impossible moments");
   return check_border(field, "moments", probe, moments, n, 4);
 }
 
-static olx_result check_classic(const olx_field *field, uint32_t probe) {
+olx_result olx_classic_irradiance_verify(const olx_field *field, uint32_t probe) {
   const olx_classic_maps *maps = &field->classic;
-  OLX_TRY(check_color_map(field, "classic irradiance", probe, maps->irradiance + maps->irradiance_texels * probe,
-                          maps->size));
+  const uint32_t *map = maps->irradiance + maps->irradiance_texels * probe;
+  return check_color_map(field, "classic irradiance", probe, map, maps->size);
+}
+
+olx_result olx_classic_radiance_verify(const olx_field *field, uint32_t probe) {
+  const olx_classic_maps *maps = &field->classic;
   for (uint32_t level = 0; level < OLX_CLASSIC_LEVELS; level++) {
     const uint32_t *map = maps->radiance + maps->radiance_texels * probe + maps->level_first[level];
     OLX_TRY(check_color_map(field, "classic radiance", probe, map, olx_classic_side(maps->size, level)));
@@ -215,7 +231,8 @@ static olx_result check_classic(const olx_field *field, uint32_t probe) {
 
 // Checks the table of classic maps, irradiance probes without visibility. Scale plus bias is at most the light that a
 // lobe without absorption reflects; the fit may exceed it a little.
-static olx_result check_classic_table(const olx_field *field) {
+olx_result olx_classic_table_verify(const olx_field *field, uint32_t record) {
+  (void)record;
   for (uint32_t i = 0; i < OLX_CLASSIC_TABLE_ENTRIES; i++) {
     const uint32_t code = field->classic.table[i];
     const float scale = olx_half_unpack((uint16_t)(code & 0xFFFFu)), bias = olx_half_unpack((uint16_t)(code >> 16));
@@ -256,19 +273,20 @@ static olx_result check_all(const olx_field *field, check_function check, uint32
   return first < count ? check(field, first) : OLX_OK;
 }
 
+// Verifies every record of a chunk, if the file has it.
+static olx_result verify_kind(const olx_field *field, const olx_chunk_file *file, olx_chunk_kind kind) {
+  const olx_chunk_traits *k = &olx_chunk_kinds[kind];
+  const olx_file_chunk *chunk;
+  if (!k->verify) return OLX_OK;
+  OLX_TRY(olx_chunk_find_any(file, olx_chunk_form_of(&field->info, kind)->type, &chunk));
+  return chunk ? check_all(field, k->verify, (uint32_t)k->records_of(&field->info)) : OLX_OK;
+}
+
 olx_result olx_field_verify(const olx_field *field) {
   assert(field);
+  const olx_chunk_file file = olx_field_file(field);
   const olx_file_header *header = field->data;
   OLX_TRY(check_all(field, check_chunk, header->chunk_count));
-  if (field->select_data[OLX_SELECT_VORONOI]) OLX_TRY(olx_voronoi_verify(field));
-  if (field->select_data[OLX_SELECT_OCTREE]) OLX_TRY(olx_octree_verify(field));
-  OLX_TRY(check_all(field, check_probe, field->info.probes.count));
-  if (field->radiance) OLX_TRY(check_all(field, check_radiance, field->info.probes.count));
-  OLX_TRY(check_all(field, check_irradiance, field->info.irradiance.probe_count));
-  if (field->classic.size) {
-    OLX_TRY(check_classic_table(field));
-    OLX_TRY(check_all(field, check_classic, field->info.irradiance.probe_count));
-  }
-  if (field->volume.header) OLX_TRY(check_all(field, olx_volume_verify, field->info.volume.probe_count));
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) OLX_TRY(verify_kind(field, &file, k));
   return OLX_OK;
 }

@@ -4,7 +4,7 @@
 
 #include "core/octahedral.h"
 #include "core/result.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 
 // The arrays after the header, in order.
 typedef enum relight_array {

@@ -1,6 +1,6 @@
 // Finds the chunks of surfaces and lights in a field file and checks what they hold.
 #include "core/result.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 #include "field/texels.h"
 
 // Finds the chunk of one kind, which holds any number of whole records of its shape.
@@ -45,23 +45,33 @@ olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, c
   return problem ? olx_fail(failure, "%s: chunk LITE: light %u: %s", name, index, problem) : OLX_OK;
 }
 
-olx_result olx_surfaces_open(olx_field *field) {
+olx_result olx_lights_open(olx_field *field) {
   olx_field_surfaces *s = &field->surfaces;
-  const void *lights, *tiles, *planes = NULL;
+  const void *lights;
   OLX_TRY(find_records(field, OLX_CHUNK_LIGHTS, OLX_FIELD_MOST_LIGHTS, &lights, &s->light_count));
-  OLX_TRY(find_records(field, OLX_CHUNK_EMISSION_TILES, UINT32_MAX - 1u, &tiles, &s->tile_count));
-  if (field->geometry) {
-    OLX_TRY(find_records(field, OLX_CHUNK_PLANES, UINT32_MAX - 1u, &planes, &field->planes.count));
-    field->planes.planes = planes;
-    field->info.bytes.geometry += sizeof(olx_plane_code) * (uint64_t)field->planes.count;
-  }
   s->lights = lights;
-  s->tiles = tiles;
   for (uint32_t i = 0; i < s->light_count; i++) {
     OLX_TRY(olx_field_light_check(&s->lights[i], i, field->name, OLX_ERROR_FORMAT));
   }
   field->info.scene.light_count = s->light_count;
+  return OLX_OK;
+}
+
+olx_result olx_emission_tiles_open(olx_field *field) {
+  olx_field_surfaces *s = &field->surfaces;
+  const void *tiles;
+  OLX_TRY(find_records(field, OLX_CHUNK_EMISSION_TILES, UINT32_MAX - 1u, &tiles, &s->tile_count));
+  s->tiles = tiles;
   field->info.bytes.emission += (uint64_t)s->tile_count * OLX_EMISSION_TILE_TEXELS * sizeof *s->tiles;
+  return OLX_OK;
+}
+
+olx_result olx_planes_open(olx_field *field) {
+  const void *planes;
+  if (!field->geometry) return OLX_OK;
+  OLX_TRY(find_records(field, OLX_CHUNK_PLANES, UINT32_MAX - 1u, &planes, &field->planes.count));
+  field->planes.planes = planes;
+  field->info.bytes.geometry += sizeof(olx_plane_code) * (uint64_t)field->planes.count;
   return OLX_OK;
 }
 
@@ -140,7 +150,7 @@ static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t ti
   return OLX_OK;
 }
 
-olx_result olx_surfaces_verify(const olx_field *field, uint32_t probe) {
+olx_result olx_surface_contents_verify(const olx_field *field, uint32_t probe) {
   const uint32_t step = field->info.maps.compressed ? OLX_BLOCK_SIDE : 1;
   for (uint32_t y = 0; y < field->n; y += step) {
     for (uint32_t x = 0; x < field->n; x += step) {

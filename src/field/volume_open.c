@@ -1,7 +1,7 @@
 // Checks an irradiance volume when a field is opened, so that lookups need no checks: every number is in range, and no
 // entry leads back to an earlier one.
 #include "core/result.h"
-#include "field/field_file.h"
+#include "field/field_chunks.h"
 
 static olx_result check_header(const olx_volume_header *h, const char *name) {
   for (uint32_t axis = 0; axis < 3; axis++) {

@@ -2,7 +2,7 @@
 """Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in a
 tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, and no row is left without its function. A file of
 shaders/lib says in its opening comment of which file of src it is the twin, one with the same stem that names it in
-turn, or that it has no twin.
+turn, or that it has no twin. Numbers that shaders/octalux_shared.h repeats of an enumeration of C equal it.
 
 Usage: check_parity.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -16,6 +16,7 @@ FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
 # A twin: one file, or several whose names begin with the shader's stem.
 TWIN = re.compile(r"Twin of (src/\w+/(\w+)(\*?)\.[ch])\b")
+SHARED = re.compile(r"^#define (OLX_\w+) (0x[0-9A-Fa-f]+|\d+)u?\b", re.MULTILINE)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
 
@@ -47,6 +48,32 @@ def opening(path):
     return " ".join(line[2:].strip() for line in lines[: ends[0]])
 
 
+def enumerators(text):
+    """The values of the enumerators in C: pairs of name and value, where the value is a number or follows one."""
+    for body in re.findall(r"\benum\b[^{};]*\{([^}]*)\}", re.sub(r"//[^\n]*", "", text)):
+        value = -1
+        for entry in filter(None, (part.strip() for part in body.split(","))):
+            name, _, given = (word.strip() for word in entry.partition("="))
+            if given:
+                value = int(given) if given.isdigit() else None
+            elif value is not None:
+                value += 1
+            if value is not None:
+                yield name, value
+
+
+def check_enumerations(root):
+    """Faults of the numbers that octalux_shared.h repeats, because public headers cannot include it."""
+    headers = [*(root / "include/octalux").glob("*.h"), *(root / "src").glob("*/*.h")]
+    known = dict(pair for path in headers for pair in enumerators(path.read_text(encoding="utf-8")))
+    shared = SHARED.findall((root / "shaders/octalux_shared.h").read_text(encoding="utf-8"))
+    if not any(name in known for name, _ in shared):
+        yield "octalux_shared.h: repeats no enumerator"
+    for name, value in shared:
+        if known.get(name, int(value, 0)) != int(value, 0):
+            yield f"octalux_shared.h: {name} is {value}, but {known[name]} in C"
+
+
 def check_twin(root, path):
     """Faults of what a file of shaders/lib says of its twin."""
     name, words = f"shaders/lib/{path.name}", opening(path)
@@ -75,6 +102,7 @@ def main():
             if not name.startswith("olx_"):
                 faults.append(f"{path.name}: {name} does not begin with olx_, and could clash with a host's names")
     faults += check_rows(root, functions)
+    faults += check_enumerations(root)
     for fault in faults:
         print(fault)
     print(f"{len(functions)} functions, {len(faults)} violations")

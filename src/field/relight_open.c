@@ -156,7 +156,8 @@ static olx_result check_fit(const olx_field *field) {
 olx_result olx_relight_open(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find_optional(&file, OLX_FOUR_CC('R', 'L', 'I', 'T'), &chunk));
+  const uint32_t type = olx_chunk_form_of(&field->info, OLX_CHUNK_RELIGHT)->type;
+  OLX_TRY(olx_chunk_find_optional(&file, type, &chunk));
   if (!chunk) return OLX_OK;
   const void *data = (const char *)field->data + chunk->offset;
   OLX_TRY(olx_relight_structure_open(data, chunk->size_bytes, field->name, &field->relight));

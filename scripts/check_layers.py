@@ -23,7 +23,7 @@ RUNTIME = ["core", "block", "field", "select", "trace", "shade", "vulkan"]
 LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
 
 # The layer from which on a public header may be seen.
-PUBLIC = {"base.h": "core", "limits.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
+PUBLIC = {"base.h": "core", "limits.h": "core", "light.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
           "octalux.h": "shade", "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake",
           "render.h": "render", "export.h": "export"}
 

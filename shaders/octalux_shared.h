@@ -243,7 +243,7 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
   olx_gpu_uint flags; // OLX_PROBE_*
 };
 
-// A light, as olx_relight_light has it; the direction of a sun or spot is stored in edge_u.
+// A light, as olx_light (octalux/light.h) has it; the direction of a sun or spot is stored in edge_u.
 OLX_GPU_STRUCT(olx_gpu_light) {
   olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
   olx_gpu_uint type, both_sides;

@@ -11,18 +11,18 @@ static const uint32_t RELIGHT_CODE[] = {
 #include "parity_relight.spv.inc"
 };
 
-static olx_relight_light some_light(const parity_state *s, uint32_t type) {
-  const bool area = type == OLX_RELIGHT_RECT || type == OLX_RELIGHT_TRIANGLE;
+static olx_light some_light(const parity_state *s, uint32_t type) {
+  const bool area = type == OLX_LIGHT_RECT || type == OLX_LIGHT_TRIANGLE;
   const olx_vec3 v = s->view;
-  return (olx_relight_light){.type = (olx_relight_light_type)type,
-                             .emission = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
-                             .position = olx_madd(s->point, v, s->item->v[15]),
-                             .direction = s->direction,
-                             .edge_u = area ? olx_scale(s->direction, 0.5f) : s->direction,
-                             .edge_v = olx_scale(olx_v3(v.y, v.z, v.x), 0.4f),
-                             .both_sides = (s->bits[1] & 1u) != 0,
-                             .cosine_inner = s->random[0],
-                             .cosine_outer = s->random[0] - 0.5f * s->random[1]};
+  return (olx_light){.type = (olx_light_type)type,
+                     .emission = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
+                     .position = olx_madd(s->point, v, s->item->v[15]),
+                     .direction = s->direction,
+                     .edge_u = area ? olx_scale(s->direction, 0.5f) : s->direction,
+                     .edge_v = olx_scale(olx_v3(v.y, v.z, v.x), 0.4f),
+                     .both_sides = (s->bits[1] & 1u) != 0,
+                     .cosine_inner = s->random[0],
+                     .cosine_outer = s->random[0] - 0.5f * s->random[1]};
 }
 
 static olx_vec3 some_normal(const parity_state *s) { return s->bits[2] & 1u ? s->direction : olx_negate(s->direction); }
@@ -97,14 +97,14 @@ ROW(r11g11b10f_pack, put_u(r, olx_r11g11b10f_pack(olx_scale(s->point, exp2f((flo
 ROW(half_pack, put_u(r, olx_half_pack(olx_bits_float(s->bits[0])));)
 ROW(rgb9e5_pack, put_u(r, olx_rgb9e5_pack(olx_scale(s->point, exp2f((float)(s->bits[0] % 40u) - 20.0f))));)
 ROW(bilinear_at, const olx_bilinear b = olx_bilinear_at(random_2(s), size_of(s)); put_bilinear(r, &b);)
-ROW(light_varies, const olx_relight_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_relit_varies(&l));)
-ROW(spot_falloff, const olx_relight_light l = some_light(s, OLX_RELIGHT_SPOT);
-    put_f(r, spot_falloff(&l, s->random[2]));)
-ROW(point_light, const olx_relight_light l = some_light(s, 1u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+ROW(light_varies, const olx_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_light_varies(&l));)
+ROW(spot_falloff, const olx_light l = some_light(s, OLX_LIGHT_SPOT);
+    put_f(r, olx_spot_falloff(l.cosine_inner, l.cosine_outer, s->random[2]));)
+ROW(point_light, const olx_light l = some_light(s, 1u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = point_light(&l, s->point, some_normal(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(area_light, const olx_relight_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+ROW(area_light, const olx_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(aim, const olx_relight_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
+ROW(aim, const olx_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
 ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
 ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)

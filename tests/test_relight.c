@@ -70,7 +70,7 @@ static olx_scene *dark_box(void) {
   return tiny_finish(scene);
 }
 
-static const olx_relight_light sky = {.type = OLX_RELIGHT_SKY, .emission = {1.0f, 2.0f, 0.5f}};
+static const olx_light sky = {.type = OLX_LIGHT_SKY, .emission = {1.0f, 2.0f, 0.5f}};
 
 static void assert_near(float value, float expected, float tolerance) {
   if (!(fabsf(value - expected) <= tolerance * expected + 1e-3f)) {
@@ -151,7 +151,7 @@ static olx_scene *companion(const scene_folder *folder, const char *position) {
 enum { LIGHTS = 16 };
 
 static void give_lights(olx_relight *relight, const olx_scene *scene) {
-  olx_relight_light lights[LIGHTS];
+  olx_light lights[LIGHTS];
   uint32_t count;
   ASSERT_OK(olx_scene_relight_lights(scene, lights, LIGHTS, &count));
   assert_int_equal(count, 3); // the lamp is two triangles
@@ -270,8 +270,8 @@ static void test_same_for_any_number_of_threads(void **state) {
 
 // ---- A niche behind a wall, round whose end no probe looks
 
-static const olx_relight_light niche_lamp = {
-    .type = OLX_RELIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
+static const olx_light niche_lamp = {
+    .type = OLX_LIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
 
 static olx_scene *niche(bool lit) {
   olx_scene *scene = tiny_scene();
@@ -372,7 +372,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   settings.sleep = 1e-6f; // the light of the bake, which was in both rooms, fades to about this share
   olx_relight *relight = begin(field, &settings);
   const olx_vec3 lit = field->probe_positions[3];
-  const olx_relight_light lamp = {.type = OLX_RELIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};
   ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
   assert_true(run(relight, lit, 300) < 300);
   const olx_field *now = olx_relight_field(relight);
@@ -426,21 +426,24 @@ static void test_refuses_settings_and_lights(void **state) {
   REFUSED(near_metres = INFINITY);
 #undef REFUSED
   relight = begin(field, &good);
-  const olx_relight_light sun = {.type = OLX_RELIGHT_SUN, .emission = {1, 1, 1}, .direction = {0, -1, 0}};
+  const olx_light sun = {.type = OLX_LIGHT_SUN, .emission = {1, 1, 1}, .direction = {0, -1, 0}};
   ASSERT_OK(olx_relight_set_lights(relight, &sun, 1));
 #define REFUSED(change)                                                                                                \
   do {                                                                                                                 \
-    olx_relight_light light = sun;                                                                                     \
+    olx_light light = sun;                                                                                             \
     light.change;                                                                                                      \
     assert_int_equal(olx_relight_set_lights(relight, &light, 1), OLX_ERROR_ARGUMENT);                                  \
   } while (0)
-  REFUSED(type = (olx_relight_light_type)6);
+  REFUSED(type = (olx_light_type)6);
   REFUSED(emission.y = NAN);
   REFUSED(emission.y = -1.0f);
   REFUSED(direction = olx_splat(0.0f));
   REFUSED(direction.x = INFINITY);
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_inner = 1.5f);
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_outer = 0.5f); // the inner cone is the wider one
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_outer = -2.0f);
 #undef REFUSED
-  static olx_relight_light many[257];
+  static olx_light many[257];
   assert_int_equal(olx_relight_set_lights(relight, many, 257), OLX_ERROR_ARGUMENT);
   // After a refusal the lights are those given before; an eye that is nowhere is one in the middle.
   ASSERT_OK(olx_relight_frame(relight, olx_splat(NAN), NULL));

@@ -151,8 +151,8 @@ static void test_no_surface_reflects_more_than_it_gets(void **state) {
 
 // ---- A floor in a low sun, between two walls
 
-static const olx_relight_light SUN = {
-    .type = OLX_RELIGHT_SUN, .emission = {5.0f, 5.0f, 5.0f}, .direction = {0.94f, -0.3411744f, 0.0f}};
+static const olx_light SUN = {
+    .type = OLX_LIGHT_SUN, .emission = {5.0f, 5.0f, 5.0f}, .direction = {0.94f, -0.3411744f, 0.0f}};
 
 // Walls are x = -1, over which the sun stands, and x = 1, to which it shines.
 static olx_scene *two_walls(const olx_material *floor) {

@@ -26,8 +26,8 @@ struct olx_light_ray {
 bool olx_light_varies(olx_gpu_light light) { return light.type >= OLX_LIGHT_RECT; }
 
 float olx_spot_falloff(olx_gpu_light light, float cosine) {
-  if (cosine <= light.cosine_outer) return 0.0;
   if (cosine >= light.cosine_inner) return 1.0;
+  if (cosine <= light.cosine_outer) return 0.0;
   return olx_square((cosine - light.cosine_outer) / (light.cosine_inner - light.cosine_outer));
 }
 

@@ -80,28 +80,15 @@ void olx_relight_free(olx_relight *r) {
 
 // ---- Lights
 
-static bool is_light(const olx_relight_light *l) {
+static bool is_light(const olx_light *l) {
   const bool finite = olx_finite(l->emission) && olx_is_position(l->position) && olx_finite(l->direction) &&
                       olx_finite(l->edge_u) && olx_finite(l->edge_v);
   if (!finite || l->emission.x < 0.0f || l->emission.y < 0.0f || l->emission.z < 0.0f) return false;
-  if (l->type == OLX_RELIGHT_SUN || l->type == OLX_RELIGHT_SPOT) {
+  if (l->type == OLX_LIGHT_SUN || l->type == OLX_LIGHT_SPOT) {
     if (fabsf(olx_length(l->direction) - 1.0f) > 1e-3f) return false;
   }
-  return l->type != OLX_RELIGHT_SPOT || (l->cosine_outer >= -1.0f && l->cosine_outer <= l->cosine_inner);
-}
-
-// Converts a light without area to the form that fields store. Values that its type does not use stay 0.
-static olx_field_light field_light(const olx_relight_light *light) {
-  olx_field_light stored = {.type = OLX_FIELD_POINT, .emission = light->emission};
-  if (light->type == OLX_RELIGHT_SUN) stored.type = OLX_FIELD_SUN;
-  if (light->type == OLX_RELIGHT_SPOT) stored.type = OLX_FIELD_SPOT;
-  if (light->type != OLX_RELIGHT_SUN) stored.position = light->position;
-  if (light->type != OLX_RELIGHT_POINT) stored.direction = light->direction;
-  if (light->type == OLX_RELIGHT_SPOT) {
-    stored.cosine_inner = light->cosine_inner;
-    stored.cosine_outer = light->cosine_outer;
-  }
-  return stored;
+  return l->type != OLX_LIGHT_SPOT ||
+         (l->cosine_outer >= -1.0f && l->cosine_outer <= l->cosine_inner && l->cosine_inner <= 1.0f);
 }
 
 // Marks everything as out of date after new lights. Previous light stays until it is replaced.
@@ -119,13 +106,13 @@ static void wake(olx_relight *r) {
   }
 }
 
-olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *lights, uint32_t count) {
+olx_result olx_relight_set_lights(olx_relight *r, const olx_light *lights, uint32_t count) {
   assert(r && (lights || count == 0));
   if (count > OLX_RELIT_MOST_LIGHTS) {
     return olx_fail(OLX_ERROR_ARGUMENT, "relight: %u lights: at most %d", count, OLX_RELIT_MOST_LIGHTS);
   }
   for (uint32_t i = 0; i < count; i++) {
-    if ((uint32_t)lights[i].type > OLX_RELIGHT_SKY || !is_light(&lights[i])) {
+    if ((uint32_t)lights[i].type > OLX_LIGHT_SKY || !is_light(&lights[i])) {
       return olx_fail(OLX_ERROR_ARGUMENT, "relight: light %u: its type, a number or a direction is out of range", i);
     }
   }
@@ -134,8 +121,8 @@ olx_result olx_relight_set_lights(olx_relight *r, const olx_relight_light *light
   r->field_light_count = 0;
   r->varying = false;
   for (uint32_t i = 0; i < count; i++) {
-    if (olx_relit_varies(&lights[i])) r->varying = true;
-    else r->field_lights[r->field_light_count++] = field_light(&lights[i]);
+    if (olx_light_varies(&lights[i])) r->varying = true;
+    else r->field_lights[r->field_light_count++] = olx_field_light_pack(&lights[i]);
   }
   r->field.surfaces.lights = r->field_lights;
   r->field.surfaces.light_count = r->field.info.light_count = r->field_light_count;

@@ -17,28 +17,24 @@ typedef struct light_rays {
   uint8_t occluded[OLX_RELIT_BATCH];
 } light_rays;
 
-static float spot_falloff(const olx_relight_light *light, float cosine) {
-  if (cosine <= light->cosine_outer) return 0.0f;
-  if (cosine >= light->cosine_inner) return 1.0f;
-  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
-}
-
-static bool point_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_shadow_ray *ray,
+static bool point_light(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_shadow_ray *ray,
                         olx_vec3 *irradiance) {
   const olx_vec3 away = olx_sub(light->position, position);
   const float length = olx_length(away), cosine = olx_dot(away, normal) / length;
   if (!(cosine > 0.0f)) return false;
   const olx_vec3 direction = olx_scale(away, 1.0f / length);
   float strength = cosine / (length * length);
-  if (light->type == OLX_RELIGHT_SPOT) strength *= spot_falloff(light, -olx_dot(direction, light->direction));
+  if (light->type == OLX_LIGHT_SPOT) {
+    strength *= olx_spot_falloff(light->cosine_inner, light->cosine_outer, -olx_dot(direction, light->direction));
+  }
   *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
   *irradiance = olx_scale(light->emission, strength);
   return strength > 0.0f;
 }
 
-static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
-                       olx_shadow_ray *ray, olx_vec3 *irradiance) {
-  const bool half = light->type == OLX_RELIGHT_TRIANGLE;
+static bool area_light(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random, olx_shadow_ray *ray,
+                       olx_vec3 *irradiance) {
+  const bool half = light->type == OLX_LIGHT_TRIANGLE;
   if (half) random = olx_sample_triangle(random);
   const olx_vec3 target = olx_madd(olx_madd(light->position, light->edge_u, random.x), light->edge_v, random.y);
   const olx_vec3 area = olx_scale(olx_cross(light->edge_u, light->edge_v), half ? 0.5f : 1.0f);
@@ -54,19 +50,19 @@ static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_ve
   return true;
 }
 
-static bool aim(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
-                olx_shadow_ray *ray, olx_vec3 *irradiance) {
+static bool aim(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random, olx_shadow_ray *ray,
+                olx_vec3 *irradiance) {
   switch (light->type) {
-  case OLX_RELIGHT_SUN: {
+  case OLX_LIGHT_SUN: {
     const float cosine = -olx_dot(light->direction, normal);
     *ray = (olx_shadow_ray){position, olx_negate(light->direction), INFINITY};
     *irradiance = olx_scale(light->emission, cosine);
     return cosine > 0.0f;
   }
-  case OLX_RELIGHT_POINT:
-  case OLX_RELIGHT_SPOT: return point_light(light, position, normal, ray, irradiance);
-  case OLX_RELIGHT_RECT:
-  case OLX_RELIGHT_TRIANGLE: return area_light(light, position, normal, random, ray, irradiance);
+  case OLX_LIGHT_POINT:
+  case OLX_LIGHT_SPOT: return point_light(light, position, normal, ray, irradiance);
+  case OLX_LIGHT_RECT:
+  case OLX_LIGHT_TRIANGLE: return area_light(light, position, normal, random, ray, irradiance);
   default:
     *ray = (olx_shadow_ray){position, olx_normalize(olx_from_basis(olx_sample_cosine(random), normal)), INFINITY};
     *irradiance = olx_scale(light->emission, OLX_PI);
@@ -85,8 +81,8 @@ static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
 }
 
 static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
-  const olx_relight_light *light = &relight->lights[index];
-  const bool area = olx_relit_varies(light);
+  const olx_light *light = &relight->lights[index];
+  const bool area = olx_light_varies(light);
   const uint32_t samples = olx_relit_samples(relight, light);
   rays->count = 0;
   for (uint32_t i = 0; i < batch->count; i++) {

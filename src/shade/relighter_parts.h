@@ -4,7 +4,7 @@
 #define OLX_SHADE_RELIGHTER_PARTS_H
 
 #include "core/parallel.h"
-#include "field/field_data.h"
+#include "field/lights.h"
 
 #include <octalux/relight.h>
 #include <octalux/sample.h>
@@ -38,7 +38,7 @@ struct olx_relight {
   olx_relight_settings settings;
   olx_sample_settings sample;
   float near_metres;
-  olx_relight_light *lights;
+  olx_light *lights;
   olx_field_light *field_lights; // the lights without area, in the form that fields store
   uint32_t light_count, field_light_count;
   bool varying;           // some light has an area
@@ -93,11 +93,9 @@ typedef struct olx_relit_batch {
   olx_vec3 beam[OLX_RELIT_BATCH];       // its luminance by lights without area, along the way to them
 } olx_relit_batch;
 
-static inline bool olx_relit_varies(const olx_relight_light *light) { return light->type >= OLX_RELIGHT_RECT; }
-
 // Returns the number of shadow rays from a place to a light.
-static inline uint32_t olx_relit_samples(const olx_relight *relight, const olx_relight_light *light) {
-  return olx_relit_varies(light) ? relight->settings.light_samples : 1;
+static inline uint32_t olx_relit_samples(const olx_relight *relight, const olx_light *light) {
+  return olx_light_varies(light) ? relight->settings.light_samples : 1;
 }
 
 void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch);

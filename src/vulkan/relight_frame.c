@@ -113,8 +113,8 @@ static void update_state(const olx_vulkan_relight *v, VkCommandBuffer commands, 
 
 static olx_gpu_vec4 with_zero(olx_vec3 a) { return (olx_gpu_vec4){a.x, a.y, a.z, 0.0f}; }
 
-static olx_gpu_light gpu_light(const olx_relight_light *l) {
-  const bool area = l->type == OLX_RELIGHT_RECT || l->type == OLX_RELIGHT_TRIANGLE;
+static olx_gpu_light gpu_light(const olx_light *l) {
+  const bool area = l->type == OLX_LIGHT_RECT || l->type == OLX_LIGHT_TRIANGLE;
   return (olx_gpu_light){.emission = with_zero(l->emission),
                          .position = with_zero(l->position),
                          .edge_u = with_zero(area ? l->edge_u : l->direction),

@@ -1,9 +1,9 @@
 // Holds relighting in shaders/lib to its C twin (tests/parity.h).
 #include "field/harmonic_data.c"
-#include "shade/relighter_highlights.c"
-#include "shade/relighter_light.c"
-#include "shade/relighter_texels.c"
-#include "shade/relighter_volume.c"
+#include "relight/relit_direct.c"
+#include "relight/relit_highlights.c"
+#include "relight/relit_maps.c"
+#include "relight/relit_volume.c"
 
 #include "parity.h"
 
@@ -45,10 +45,9 @@ static void put_bilinear(parity_result *r, const olx_bilinear *b) {
 }
 
 static void put_tile_texel(parity_result *r, uint32_t i) {
-  const olx_relight relight = {.tile_side = OLX_RELIT_TILE_SIDE};
   const olx_relit_tile tile = {.probe = 0};
   uint32_t x, y;
-  tile_texel(&relight, &tile, i, &x, &y);
+  tile_texel(OLX_RELIT_TILE_SIDE, &tile, i, &x, &y);
   put_u(r, x);
   put_u(r, y);
   put_u(r, 0);
@@ -63,10 +62,9 @@ static float told_weight(const parity_state *s) {
   const uint32_t starts[2] = {0, 1}, word = s->bits[0];
   const olx_relight_entry entry = {0,
                                    {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24)}};
-  const olx_field field = {.relight = {.entry_starts = starts, .entries = &entry}};
-  const olx_relight relight = {.source = &field};
+  const olx_relight_data data = {.entry_starts = starts, .entries = &entry};
   const olx_vec3 light = {1.0f, 1.0f, 1.0f};
-  return told_by(&relight, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
+  return told_by(&data, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
 }
 
 static olx_vec3 hemisphere_direction(const parity_state *s, uint32_t first, olx_vec3 normal) {

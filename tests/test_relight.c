@@ -1,9 +1,10 @@
 // Tests relighting against what follows in closed form and against a fresh bake of the changed scene, and its schedule.
 #include "field/texels.h"
+#include "relight/relighter.h"
+#include "relight/relit_tiles.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 #include "scene_files.h"
-#include "shade/relighter_parts.h"
 #include "synthetic_field.h"
 #include "tiny_scenes.h"
 
@@ -313,6 +314,16 @@ static void test_light_from_where_no_probe_looks(void **state) {
 
 // ---- The schedule
 
+// Returns the frame that last lit a tile of maps of four.
+static uint32_t last_frame(const olx_relight *relight, uint32_t tile) {
+  return olx_relit_part_frames(relight->schedule)[tile / 4 * 5 + tile % 4];
+}
+
+static float distance_to(const olx_field *field, const olx_relit_tile_state *state, olx_vec3 eye) {
+  const olx_vec3 probe = field->probe_positions[state->tile.probe];
+  return olx_length(olx_sub(olx_madd(probe, state->direction, state->distance), eye));
+}
+
 static void test_near_first_and_none_starves(void **state) {
   const scene_folder *folder = *state;
   const uint32_t few[3] = {5, 1, 1};
@@ -328,32 +339,31 @@ static void test_near_first_and_none_starves(void **state) {
   settings.sleep = 0.0f;
   olx_relight *relight = begin(field, &settings);
   ASSERT_OK(olx_relight_set_lights(relight, &sky, 1));
-  const uint32_t tiles = 5 * (64 / OLX_RELIT_TILE_SIDE) * (64 / OLX_RELIT_TILE_SIDE);
+  olx_relit_tiles all;
+  ASSERT_OK(olx_relit_tiles_create(field, &settings, &all));
+  assert_int_equal(all.count, 5 * 4);
   const olx_vec3 eye = {1.0f, 0.0f, 0.0f}; // at a wall
   uint32_t times[5 * 4] = {0};
-  for (uint32_t frame = 1; frame <= 20 * tiles; frame++) {
+  for (uint32_t frame = 1; frame <= 20 * all.count; frame++) {
     olx_relight_stats stats;
     ASSERT_OK(olx_relight_frame(relight, eye, &stats));
     // One tile a frame, but where none is left that waits.
-    assert_true(stats.texels == 1024 || (stats.texels == 0 && olx_relit_tiles_waiting(relight) == 0));
+    assert_true(stats.texels == 1024 || (stats.texels == 0 && olx_relit_tiles_waiting(relight->schedule) == 0));
     assert_true(stats.volume_probes <= 1 && stats.surfels_gathered <= 100 && stats.shadow_rays <= 3072);
-    for (uint32_t i = 0; i < tiles; i++) times[i] += relight->tiles[i].last_frame == frame;
-    for (uint32_t i = 0; i < 5; i++) assert_true(olx_relight_probe_state(relight, i).waited <= 8 * tiles);
+    for (uint32_t i = 0; i < all.count; i++) times[i] += last_frame(relight, i) == frame;
+    for (uint32_t i = 0; i < 5; i++) assert_true(olx_relight_probe_state(relight, i).waited <= 8 * all.count);
   }
-  for (uint32_t i = 0; i < tiles; i++) {
+  for (uint32_t i = 0; i < all.count; i++) {
     assert_true(times[i] > 0);
-    const olx_relit_tile *a = &relight->tiles[i];
-    const olx_vec3 place = olx_madd(field->probe_positions[a->probe], a->direction, a->distance);
-    for (uint32_t j = 0; j < tiles; j++) {
-      const olx_relit_tile *b = &relight->tiles[j];
-      const olx_vec3 other = olx_madd(field->probe_positions[b->probe], b->direction, b->distance);
-      if (olx_length(olx_sub(place, eye)) < 0.6f && olx_length(olx_sub(other, eye)) > 1.3f) {
+    for (uint32_t j = 0; j < all.count; j++) {
+      if (distance_to(field, &all.states[i], eye) < 0.6f && distance_to(field, &all.states[j], eye) > 1.3f) {
         assert_true(times[i] > times[j]);
       }
     }
   }
   const olx_relight_state none = olx_relight_probe_state(relight, 5);
   assert_true(none.last_frame == 0 && none.tiles_waiting == 0 && none.waited == 0);
+  olx_relit_tiles_free(&all);
   olx_relight_free(relight);
   olx_field_close(field);
   olx_scene_free(scene);
@@ -384,7 +394,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   print_message("%g of the light in the other room\n", light[1] / light[0]);
   assert_true(light[0] > 0.0 && light[1] < 1e-4 * light[0]);
   olx_relight_stats stats;
-  const uint32_t frame = relight->frame;
+  const uint32_t frame = olx_relit_frames(relight->schedule);
   ASSERT_OK(olx_relight_frame(relight, lit, &stats));
   assert_true(stats.awake == 0 && stats.texels == 0 && stats.shadow_rays == 0 && stats.surfels_gathered == 0);
   for (uint32_t i = 0; i < 8; i++) assert_true(olx_relight_probe_state(relight, i).last_frame <= frame);

@@ -1,6 +1,7 @@
 // Tests frames of a relighter on a device: lights change, and the light of each frame is that of olx_relight_frame;
 // what does not fit or is missing is refused.
 #include "core/hooks.h"
+#include "relight/relighter.h"
 #include "scene_files.h"
 #include "tiny_scenes.h"
 #include "vulkan/gpu_relight.h"
@@ -191,7 +192,9 @@ static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
 
 // Relative mean squared error of light that surfels have: direct (0), indirect (1), highlights (2).
 static double surfels_apart(const both_sides *b, uint32_t part) {
-  const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->direct, b->cpu->irradiance, b->cpu->highlights}, *truth = truths[part];
+  const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->surfels.direct, b->cpu->surfels.irradiance,
+                                          b->cpu->surfels.highlights},
+                 *truth = truths[part];
   const uint32_t count = b->frames->constants.surfels;
   const olx_vec3 *light = (const olx_vec3 *)copied.mapped + (size_t)count * part;
   double off = 0.0, sum = 0.0;

@@ -1,8 +1,8 @@
 // Tests a field on the device that follows a relighter: after all copies it is the field that an upload of the
 // relighter's maps would give, however few bytes a call may copy.
+#include "relight/relighter.h"
 #include "relit_room.h"
 #include "scene_files.h"
-#include "shade/relighter_parts.h"
 
 #include <octalux/bake.h>
 #include <octalux/vulkan.h>

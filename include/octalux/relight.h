@@ -56,7 +56,7 @@ olx_relight_settings olx_relight_settings_default(void);
 
 // Creates a relighter. OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field baked without the
 // data for relighting. The field must outlive the relighter. On success the caller must free *relight, on failure it is
-// NULL. It takes 8 bytes a texel of light field maps and 56 a surfel.
+// NULL. It takes 8 bytes a texel of light field maps and 60 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // Frees a relighter. NULL is allowed.
 void olx_relight_free(olx_relight *relight);

@@ -1,4 +1,4 @@
-// Twin of the parts of relighting that use numbers alone (src/shade/relighter*.c): rays to lights, and how texels and
+// Twin of the parts of relighting that use numbers alone (src/relight): rays to lights, and how texels and
 // probes of the volume receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
 // have its buffers.
 //
@@ -75,7 +75,7 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   return cosine > 0.0;
 }
 
-// ---- Highlights between surfels (relighter_highlights.c)
+// ---- Highlights between surfels (src/relight/relit_highlights.c)
 
 const float OLX_LINK_ALPHA = 0.2;  // surfels represent surfaces of some size, so their lobes are widened by it
 const float OLX_MOST_BRIGHT = 2.0; // relative to a white matte surface

@@ -369,6 +369,68 @@ static void test_near_first_and_none_starves(void **state) {
   olx_scene_free(scene);
 }
 
+enum { FEW_SURFELS = 5 };
+
+static olx_field *few_surfels(const scene_folder *folder) {
+  const synthetic_shape shape = {.grid = {1, 1, 1}, .n = 8, .relight_surfels = FEW_SURFELS};
+  char path[400];
+  snprintf(path, sizeof path, "%s/few.olx", folder->path);
+  ASSERT_OK(synthetic_write(path, &shape, NULL));
+  olx_field *field;
+  ASSERT_OK(olx_field_open(path, &field));
+  return field;
+}
+
+// Surfels take turns cyclically, within half of the shadow rays, until each has its eight samples.
+static void test_surfels_take_turns(void **state) {
+  olx_field *field = few_surfels(*state);
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.shadow_rays = 13; // six for surfels: three, by two rays each
+  olx_relit_schedule *schedule;
+  ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
+  assert_int_equal(olx_relit_take_surfels(schedule).count, 0); // as baked
+  olx_relit_wake(schedule, 2, false);
+  uint32_t samples[FEW_SURFELS] = {0}, next = 0;
+  for (uint32_t left = FEW_SURFELS * OLX_RELIGHT_POINTS; left > 0;) {
+    const olx_relit_surfel_turns turns = olx_relit_take_surfels(schedule);
+    assert_int_equal(turns.count, left < 3 ? left : 3);
+    assert_int_equal(turns.first, next);
+    for (uint32_t i = 0; i < turns.count; i++) {
+      assert_int_equal(samples[next], turns.round + (i >= turns.before));
+      samples[next]++;
+      next = (next + 1) % FEW_SURFELS;
+    }
+    left -= turns.count;
+  }
+  for (uint32_t i = 0; i < FEW_SURFELS; i++) assert_int_equal(samples[i], OLX_RELIGHT_POINTS);
+  assert_int_equal(olx_relit_take_surfels(schedule).count, 0);
+  olx_relit_schedule_free(schedule);
+  olx_field_close(field);
+}
+
+// What a device reports of a frame before lights were set again says nothing of the new light.
+static void test_late_records_of_earlier_lights_are_ignored(void **state) {
+  olx_field *field = few_surfels(*state);
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.surfels = 3;
+  olx_relit_schedule *schedule;
+  ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
+  assert_int_equal(olx_relit_take_links(schedule).count, 0); // as baked
+  olx_relit_wake(schedule, 1, false);
+  const olx_relit_link_turns earlier = olx_relit_take_links(schedule);
+  assert_true(earlier.count == 3 && !earlier.ends && earlier.dark && earlier.shines);
+  olx_relit_wake(schedule, 1, false);
+  for (uint32_t i = 0; i < OLX_RELIGHT_POINTS; i++) olx_relit_take_surfels(schedule);
+  const olx_relit_link_turns begins = olx_relit_take_links(schedule), ends = olx_relit_take_links(schedule);
+  assert_true(begins.count == 3 && !begins.ends && ends.count == 2 && ends.ends && ends.shines && !ends.dark);
+  olx_relit_links_followed(schedule, &begins, 0.0, 1.0);
+  olx_relit_links_followed(schedule, &earlier, 1.0, 1.0); // all light changed, but by lights of the past
+  olx_relit_links_followed(schedule, &ends, 0.0, 1.0);
+  assert_int_equal(olx_relit_take_links(schedule).count, 0); // nothing changed: light has settled
+  olx_relit_schedule_free(schedule);
+  olx_field_close(field);
+}
+
 // In two rooms without a door a lamp in one leaves the other dark; and when light has arrived a frame costs nothing.
 static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   const scene_folder *folder = *state;
@@ -471,6 +533,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_surfels_take_turns, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_late_records_of_earlier_lights_are_ignored, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, scene_folder_set_up, scene_folder_tear_down),
   };

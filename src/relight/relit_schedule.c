@@ -61,8 +61,7 @@ void olx_relit_wake(olx_relit_schedule *s, uint32_t rays, bool varying) {
   s->rays = rays;
   s->surfels.rounds = varying ? OLX_RELIGHT_POINTS * 2 : OLX_RELIGHT_POINTS;
   s->surfels.taken = 0;
-  s->sweep =
-      (link_sweep){.next = s->sweep.next, .shining = s->sweep.shining, .stale = true, .settled = s->surfels.count == 0};
+  s->sweep = (link_sweep){.next = s->sweep.next, .stale = true, .settled = s->surfels.count == 0};
   olx_relit_wake_tiles(&s->tiles, s->now, varying);
 }
 

@@ -23,7 +23,7 @@ olx_result relit_field_make(const olx_scene *scene, const olx_field *field, olx_
   settings.occlusion = olx_scene_occlusion;
   settings.user = (void *)(uintptr_t)scene; // the scene is only read
   settings.threads = threads;
-  olx_relight_light lights[MOST_LIGHTS];
+  olx_light lights[MOST_LIGHTS];
   uint32_t count;
   olx_result result = olx_scene_relight_lights(scene, lights, MOST_LIGHTS, &count);
   if (result == OLX_OK) result = olx_relight_create(field, &settings, &relit->relight);

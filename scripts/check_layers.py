@@ -2,7 +2,7 @@
 """Check the order of the house: who may include whom, openings, file names, links, and words that do not belong here.
 
 Folders under src form a ladder; a file may include its own folder and those before it:
-core < block < field < select < trace < shade < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
+core < block < field < select < trace < shade < relight < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
 Public headers stand on the same ladder. cli, viewer, host, bench and examples see public headers only; cli, viewer
 and bench those of host as well, viewer and bench what programs share of cli, bench/gpu the viewer's rasteriser, and
 bench/studies what is inside the libraries. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
@@ -19,12 +19,12 @@ import re
 import subprocess
 import sys
 
-RUNTIME = ["core", "block", "field", "select", "trace", "shade", "vulkan"]
+RUNTIME = ["core", "block", "field", "select", "trace", "shade", "relight", "vulkan"]
 LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
 
 # The layer from which on a public header may be seen.
-PUBLIC = {"base.h": "core", "limits.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
-          "octalux.h": "shade", "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake",
+PUBLIC = {"base.h": "core", "limits.h": "core", "light.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "relight",
+          "octalux.h": "relight", "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake",
           "render.h": "render", "export.h": "export"}
 
 SYSTEM = set("""assert.h complex.h ctype.h errno.h fcntl.h fenv.h float.h inttypes.h limits.h locale.h math.h pthread.h

@@ -14,8 +14,8 @@ import sys
 FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
 # How WebGL2 reads data and what its language lacks, up to what Vulkan has in its place: no parity test runs there.
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
-# A twin: one file, or several whose names begin with the shader's stem.
-TWIN = re.compile(r"Twin of (src/\w+/(\w+)(\*?)\.[ch])\b")
+# A twin: one file, or all files of the folder that has the shader's stem for its name.
+TWIN = re.compile(r"Twin of (src/\w+/(\w+)\.[ch]|src/(\w+)/\*\.c)\b")
 SHARED = re.compile(r"^#define (OLX_\w+) (0x[0-9A-Fa-f]+|\d+)u?\b", re.MULTILINE)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
@@ -82,14 +82,10 @@ def check_twin(root, path):
     twin = TWIN.search(words)
     if not twin:
         return [f"{name}: does not say of which file it is the twin, or that it has no twin in C"]
-    file, stem, several = twin.groups()
-    if several:
-        found = list(root.glob(file))
-        sound = found and stem.startswith(path.stem)
-        return [] if sound else [f"{name}: its twin {file} has another stem, or is not there"]
-    if stem != path.stem or not (root / file).is_file():
+    file, stem, folder = twin.groups()
+    if (stem or folder) != path.stem or not list(root.glob(file)):
         return [f"{name}: its twin {file} has another stem, or is not there"]
-    return [] if name in opening(root / file) else [f"{file}: does not name its twin {name}"]
+    return [] if folder or name in opening(root / file) else [f"{file}: does not name its twin {name}"]
 
 
 def main():

@@ -17,7 +17,7 @@ import subprocess
 import sys
 
 NEEDED = re.compile(r"^(libc\.so|libm\.so|libpthread\.so|libdl\.so|librt\.so|ld-linux|ld-musl|libgcc_s\.so)")
-RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "relight.h", "sample.h", "octalux.h"]
+RUNTIME_HEADERS = ["base.h", "denoiser.h", "field.h", "light.h", "relight.h", "sample.h", "octalux.h"]
 BAKER_HEADERS = ["bake.h", "export.h", "place.h", "render.h", "scene.h"]
 
 

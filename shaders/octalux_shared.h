@@ -389,7 +389,7 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
   olx_gpu_uint flags; // OLX_PROBE_*
 };
 
-// A light, as olx_relight_light has it; the direction of a sun or spot is stored in edge_u.
+// A light, as olx_light (octalux/light.h) has it; the direction of a sun or spot is stored in edge_u.
 OLX_GPU_STRUCT(olx_gpu_light) {
   olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
   olx_gpu_uint type, both_sides;
@@ -398,11 +398,11 @@ OLX_GPU_STRUCT(olx_gpu_light) {
 
 // A relighter: the offsets of its parts, in words. A vector takes three words.
 OLX_GPU_STRUCT(olx_gpu_relight) {
-  olx_gpu_uint surfels;
+  olx_gpu_uint surfels, volume_probes;
   olx_gpu_uint light_samples;
   olx_gpu_uint tile_side, tile_words; // of a map's part: texels, and what of the map's border repeats them
   // In the state, counted from behind this
-  olx_gpu_uint lights, tiles, probes;      // lights; scheduled tiles and volume probes
+  olx_gpu_uint lights, tiles;              // tiles: the scheduled ones
   olx_gpu_uint direct, irradiance, values; // vectors of surfels; values are sums of rays meanwhile
   olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; sums of rays
   olx_gpu_uint sums;                       // change and light of each workgroup that follows links
@@ -416,7 +416,7 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
 
 // Push constants of a relighter's passes.
 OLX_GPU_STRUCT(olx_gpu_relight_call) {
-  olx_gpu_uint first, count;              // surfels; threads that have something to do
+  olx_gpu_uint first, count;              // surfels or volume probes; threads that have something to do
   olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
   olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
   olx_gpu_uint flags;                     // OLX_CALL_*

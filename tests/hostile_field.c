@@ -119,18 +119,18 @@ static void occlude_by_chance(void *user, const olx_shadow_ray *rays, uint32_t c
   for (uint32_t i = 0; i < count; i++) occluded[i] = occluded_by_chance(olx_float_bits(rays[i].direction.x));
 }
 
-static olx_relight_light draw_light(dice *d, const olx_field *field) {
+static olx_light draw_light(dice *d, const olx_field *field) {
   const bool wild = draw_below(d, 4) == 0;
   const float strength = wild ? extreme_float(d) : 5.0f * draw_unit(d);
-  return (olx_relight_light){.type = (olx_relight_light_type)draw_below(d, OLX_RELIGHT_SKY + 1),
-                             .emission = olx_splat(strength),
-                             .position = draw_point(d, field),
-                             .direction = wild ? draw_direction(d) : olx_v3(0.0f, -1.0f, 0.0f),
-                             .cosine_inner = draw_unit(d),
-                             .cosine_outer = wild ? extreme_float(d) : -0.5f,
-                             .edge_u = olx_v3(draw_unit(d), 0.0f, 0.0f),
-                             .edge_v = olx_v3(0.0f, draw_unit(d), draw_unit(d)),
-                             .both_sides = draw(d) & 1u};
+  return (olx_light){.type = (olx_light_type)draw_below(d, OLX_LIGHT_SKY + 1),
+                     .emission = olx_splat(strength),
+                     .position = draw_point(d, field),
+                     .direction = wild ? draw_direction(d) : olx_v3(0.0f, -1.0f, 0.0f),
+                     .cosine_inner = draw_unit(d),
+                     .cosine_outer = wild ? extreme_float(d) : -0.5f,
+                     .edge_u = olx_v3(draw_unit(d), 0.0f, 0.0f),
+                     .edge_v = olx_v3(0.0f, draw_unit(d), draw_unit(d)),
+                     .both_sides = draw(d) & 1u};
 }
 
 static void refused(olx_result result, field_counts *c) {
@@ -158,7 +158,7 @@ static void relight(dice *d, const olx_field *field, field_counts *c) {
     refused(result, c);
     return;
   }
-  olx_relight_light lights[3];
+  olx_light lights[3];
   for (uint32_t i = 0; i < 3; i++) lights[i] = draw_light(d, field);
   result = olx_relight_set_lights(relighter, lights, draw_below(d, 4));
   if (result != OLX_OK) refused(result, c);

@@ -159,15 +159,15 @@ static void vary_irradiance(olx_field *field) {
 
 // Lights of every type, and one that no number holds.
 static const olx_field_light LIGHTS[] = {
-    {.type = OLX_FIELD_SUN, .direction = {0.6f, -0.64f, 0.48f}, .emission = {1.0f, 0.9f, 0.5f}},
-    {.type = OLX_FIELD_POINT, .position = {2.0f, 2.6f, 1.0f}, .emission = {3.0f, 1.0f, 0.2f}},
-    {.type = OLX_FIELD_SPOT,
+    {.type = OLX_LIGHT_SUN, .direction = {0.6f, -0.64f, 0.48f}, .emission = {1.0f, 0.9f, 0.5f}},
+    {.type = OLX_LIGHT_POINT, .position = {2.0f, 2.6f, 1.0f}, .emission = {3.0f, 1.0f, 0.2f}},
+    {.type = OLX_LIGHT_SPOT,
      .position = {1.0f, 2.9f, 4.0f},
      .direction = {0.0f, -1.0f, 0.0f},
      .emission = {2.0f, 4.0f, 6.0f},
      .cosine_inner = 0.9f,
      .cosine_outer = 0.4f},
-    {.type = OLX_FIELD_POINT, .position = {0.0f, 1.0f, 0.0f}, .emission = {INFINITY, 0.0f, 0.0f}}};
+    {.type = OLX_LIGHT_POINT, .position = {0.0f, 1.0f, 0.0f}, .emission = {INFINITY, 0.0f, 0.0f}}};
 
 // Materials of all kinds, direct light, and emission where texels are marked, at random but alike within blocks of 3 x
 // 3 texels that do not end where the tiles of emission do.

@@ -12,9 +12,9 @@
 #include <stdlib.h>
 
 const olx_field_light synthetic_lights[SYNTHETIC_LIGHTS] = {
-    {.type = OLX_FIELD_SUN, .direction = {0.0f, -1.0f, 0.0f}, .emission = {3.0f, 2.0f, 1.0f}},
-    {.type = OLX_FIELD_POINT, .position = {1.0f, 2.0f, -1.0f}, .emission = {5.0f, 5.0f, 5.0f}},
-    {.type = OLX_FIELD_SPOT,
+    {.type = OLX_LIGHT_SUN, .direction = {0.0f, -1.0f, 0.0f}, .emission = {3.0f, 2.0f, 1.0f}},
+    {.type = OLX_LIGHT_POINT, .position = {1.0f, 2.0f, -1.0f}, .emission = {5.0f, 5.0f, 5.0f}},
+    {.type = OLX_LIGHT_SPOT,
      .position = {-1.0f, 2.5f, 0.5f},
      .direction = {0.6f, -0.8f, 0.0f},
      .emission = {0.0f, 7.0f, 0.0f},

@@ -1,9 +1,9 @@
 // Holds relighting in shaders/lib to its C twin (tests/parity.h).
 #include "field/harmonic_data.c"
-#include "shade/relighter_highlights.c"
-#include "shade/relighter_light.c"
-#include "shade/relighter_texels.c"
-#include "shade/relighter_volume.c"
+#include "relight/relit_direct.c"
+#include "relight/relit_highlights.c"
+#include "relight/relit_maps.c"
+#include "relight/relit_volume.c"
 
 #include "parity.h"
 
@@ -11,18 +11,18 @@ static const uint32_t RELIGHT_CODE[] = {
 #include "parity_relight.spv.inc"
 };
 
-static olx_relight_light some_light(const parity_state *s, uint32_t type) {
-  const bool area = type == OLX_RELIGHT_RECT || type == OLX_RELIGHT_TRIANGLE;
+static olx_light some_light(const parity_state *s, uint32_t type) {
+  const bool area = type == OLX_LIGHT_RECT || type == OLX_LIGHT_TRIANGLE;
   const olx_vec3 v = s->view;
-  return (olx_relight_light){.type = (olx_relight_light_type)type,
-                             .emission = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
-                             .position = olx_madd(s->point, v, s->item->v[15]),
-                             .direction = s->direction,
-                             .edge_u = area ? olx_scale(s->direction, 0.5f) : s->direction,
-                             .edge_v = olx_scale(olx_v3(v.y, v.z, v.x), 0.4f),
-                             .both_sides = (s->bits[1] & 1u) != 0,
-                             .cosine_inner = s->random[0],
-                             .cosine_outer = s->random[0] - 0.5f * s->random[1]};
+  return (olx_light){.type = (olx_light_type)type,
+                     .emission = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
+                     .position = olx_madd(s->point, v, s->item->v[15]),
+                     .direction = s->direction,
+                     .edge_u = area ? olx_scale(s->direction, 0.5f) : s->direction,
+                     .edge_v = olx_scale(olx_v3(v.y, v.z, v.x), 0.4f),
+                     .both_sides = (s->bits[1] & 1u) != 0,
+                     .cosine_inner = s->random[0],
+                     .cosine_outer = s->random[0] - 0.5f * s->random[1]};
 }
 
 static olx_vec3 some_normal(const parity_state *s) { return s->bits[2] & 1u ? s->direction : olx_negate(s->direction); }
@@ -45,10 +45,9 @@ static void put_bilinear(parity_result *r, const olx_bilinear *b) {
 }
 
 static void put_tile_texel(parity_result *r, uint32_t i) {
-  const olx_relight relight = {.tile_side = OLX_RELIT_TILE_SIDE};
   const olx_relit_tile tile = {.probe = 0};
   uint32_t x, y;
-  tile_texel(&relight, &tile, i, &x, &y);
+  tile_texel(OLX_RELIT_TILE_SIDE, &tile, i, &x, &y);
   put_u(r, x);
   put_u(r, y);
   put_u(r, 0);
@@ -63,10 +62,9 @@ static float told_weight(const parity_state *s) {
   const uint32_t starts[2] = {0, 1}, word = s->bits[0];
   const olx_relight_entry entry = {0,
                                    {(uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24)}};
-  const olx_field field = {.relight = {.entry_starts = starts, .entries = &entry}};
-  const olx_relight relight = {.source = &field};
+  const olx_relight_data data = {.entry_starts = starts, .entries = &entry};
   const olx_vec3 light = {1.0f, 1.0f, 1.0f};
-  return told_by(&relight, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
+  return told_by(&data, 0, s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, &light).x;
 }
 
 static olx_vec3 hemisphere_direction(const parity_state *s, uint32_t first, olx_vec3 normal) {
@@ -97,14 +95,14 @@ ROW(r11g11b10f_pack, put_u(r, olx_r11g11b10f_pack(olx_scale(s->point, exp2f((flo
 ROW(half_pack, put_u(r, olx_half_pack(olx_bits_float(s->bits[0])));)
 ROW(rgb9e5_pack, put_u(r, olx_rgb9e5_pack(olx_scale(s->point, exp2f((float)(s->bits[0] % 40u) - 20.0f))));)
 ROW(bilinear_at, const olx_bilinear b = olx_bilinear_at(random_2(s), size_of(s)); put_bilinear(r, &b);)
-ROW(light_varies, const olx_relight_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_relit_varies(&l));)
-ROW(spot_falloff, const olx_relight_light l = some_light(s, OLX_RELIGHT_SPOT);
-    put_f(r, spot_falloff(&l, s->random[2]));)
-ROW(point_light, const olx_relight_light l = some_light(s, 1u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+ROW(light_varies, const olx_light l = some_light(s, s->bits[0] % 6u); put_u(r, olx_light_varies(&l));)
+ROW(spot_falloff, const olx_light l = some_light(s, OLX_LIGHT_SPOT);
+    put_f(r, olx_spot_falloff(l.cosine_inner, l.cosine_outer, s->random[2]));)
+ROW(point_light, const olx_light l = some_light(s, 1u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = point_light(&l, s->point, some_normal(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(area_light, const olx_relight_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
+ROW(area_light, const olx_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
-ROW(aim, const olx_relight_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
+ROW(aim, const olx_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
 ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
 ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)

@@ -1,9 +1,10 @@
 // Tests relighting against what follows in closed form and against a fresh bake of the changed scene, and its schedule.
 #include "field/texels.h"
+#include "relight/relighter.h"
+#include "relight/relit_tiles.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 #include "scene_files.h"
-#include "shade/relighter_parts.h"
 #include "synthetic_field.h"
 #include "tiny_scenes.h"
 
@@ -70,7 +71,7 @@ static olx_scene *dark_box(void) {
   return tiny_finish(scene);
 }
 
-static const olx_relight_light sky = {.type = OLX_RELIGHT_SKY, .emission = {1.0f, 2.0f, 0.5f}};
+static const olx_light sky = {.type = OLX_LIGHT_SKY, .emission = {1.0f, 2.0f, 0.5f}};
 
 static void assert_near(float value, float expected, float tolerance) {
   if (!(fabsf(value - expected) <= tolerance * expected + 1e-3f)) {
@@ -151,7 +152,7 @@ static olx_scene *companion(const scene_folder *folder, const char *position) {
 enum { LIGHTS = 16 };
 
 static void give_lights(olx_relight *relight, const olx_scene *scene) {
-  olx_relight_light lights[LIGHTS];
+  olx_light lights[LIGHTS];
   uint32_t count;
   ASSERT_OK(olx_scene_relight_lights(scene, lights, LIGHTS, &count));
   assert_int_equal(count, 3); // the lamp is two triangles
@@ -270,8 +271,8 @@ static void test_same_for_any_number_of_threads(void **state) {
 
 // ---- A niche behind a wall, round whose end no probe looks
 
-static const olx_relight_light niche_lamp = {
-    .type = OLX_RELIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
+static const olx_light niche_lamp = {
+    .type = OLX_LIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
 
 static olx_scene *niche(bool lit) {
   olx_scene *scene = tiny_scene();
@@ -313,6 +314,16 @@ static void test_light_from_where_no_probe_looks(void **state) {
 
 // ---- The schedule
 
+// Returns the frame that last lit a tile of maps of four.
+static uint32_t last_frame(const olx_relight *relight, uint32_t tile) {
+  return olx_relit_part_frames(relight->schedule)[tile / 4 * 5 + tile % 4];
+}
+
+static float distance_to(const olx_field *field, const olx_relit_tile_state *state, olx_vec3 eye) {
+  const olx_vec3 probe = field->probe_positions[state->tile.probe];
+  return olx_length(olx_sub(olx_madd(probe, state->direction, state->distance), eye));
+}
+
 static void test_near_first_and_none_starves(void **state) {
   const scene_folder *folder = *state;
   const uint32_t few[3] = {5, 1, 1};
@@ -328,35 +339,96 @@ static void test_near_first_and_none_starves(void **state) {
   settings.sleep = 0.0f;
   olx_relight *relight = begin(field, &settings);
   ASSERT_OK(olx_relight_set_lights(relight, &sky, 1));
-  const uint32_t tiles = 5 * (64 / OLX_RELIT_TILE_SIDE) * (64 / OLX_RELIT_TILE_SIDE);
+  olx_relit_tiles all;
+  ASSERT_OK(olx_relit_tiles_create(field, &settings, &all));
+  assert_int_equal(all.count, 5 * 4);
   const olx_vec3 eye = {1.0f, 0.0f, 0.0f}; // at a wall
   uint32_t times[5 * 4] = {0};
-  for (uint32_t frame = 1; frame <= 20 * tiles; frame++) {
+  for (uint32_t frame = 1; frame <= 20 * all.count; frame++) {
     olx_relight_stats stats;
     ASSERT_OK(olx_relight_frame(relight, eye, &stats));
     // One tile a frame, but where none is left that waits.
-    assert_true(stats.texels == 1024 || (stats.texels == 0 && olx_relit_tiles_waiting(relight) == 0));
+    assert_true(stats.texels == 1024 || (stats.texels == 0 && olx_relit_tiles_waiting(relight->schedule) == 0));
     assert_true(stats.volume_probes <= 1 && stats.surfels_gathered <= 100 && stats.shadow_rays <= 3072);
-    for (uint32_t i = 0; i < tiles; i++) times[i] += relight->tiles[i].last_frame == frame;
-    for (uint32_t i = 0; i < 5; i++) assert_true(olx_relight_probe_state(relight, i).waited <= 8 * tiles);
+    for (uint32_t i = 0; i < all.count; i++) times[i] += last_frame(relight, i) == frame;
+    for (uint32_t i = 0; i < 5; i++) assert_true(olx_relight_probe_state(relight, i).waited <= 8 * all.count);
   }
-  for (uint32_t i = 0; i < tiles; i++) {
+  for (uint32_t i = 0; i < all.count; i++) {
     assert_true(times[i] > 0);
-    const olx_relit_tile *a = &relight->tiles[i];
-    const olx_vec3 place = olx_madd(field->probe_positions[a->probe], a->direction, a->distance);
-    for (uint32_t j = 0; j < tiles; j++) {
-      const olx_relit_tile *b = &relight->tiles[j];
-      const olx_vec3 other = olx_madd(field->probe_positions[b->probe], b->direction, b->distance);
-      if (olx_length(olx_sub(place, eye)) < 0.6f && olx_length(olx_sub(other, eye)) > 1.3f) {
+    for (uint32_t j = 0; j < all.count; j++) {
+      if (distance_to(field, &all.states[i], eye) < 0.6f && distance_to(field, &all.states[j], eye) > 1.3f) {
         assert_true(times[i] > times[j]);
       }
     }
   }
   const olx_relight_state none = olx_relight_probe_state(relight, 5);
   assert_true(none.last_frame == 0 && none.tiles_waiting == 0 && none.waited == 0);
+  olx_relit_tiles_free(&all);
   olx_relight_free(relight);
   olx_field_close(field);
   olx_scene_free(scene);
+}
+
+enum { FEW_SURFELS = 5 };
+
+static olx_field *few_surfels(const scene_folder *folder) {
+  const synthetic_shape shape = {.grid = {1, 1, 1}, .n = 8, .relight_surfels = FEW_SURFELS};
+  char path[400];
+  snprintf(path, sizeof path, "%s/few.olx", folder->path);
+  ASSERT_OK(synthetic_write(path, &shape, NULL));
+  olx_field *field;
+  ASSERT_OK(olx_field_open(path, &field));
+  return field;
+}
+
+// Surfels take turns cyclically, within half of the shadow rays, until each has its eight samples.
+static void test_surfels_take_turns(void **state) {
+  olx_field *field = few_surfels(*state);
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.shadow_rays = 13; // six for surfels: three, by two rays each
+  olx_relit_schedule *schedule;
+  ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
+  assert_int_equal(olx_relit_take_surfels(schedule).count, 0); // as baked
+  olx_relit_wake(schedule, 2, false);
+  uint32_t samples[FEW_SURFELS] = {0}, next = 0;
+  for (uint32_t left = FEW_SURFELS * OLX_RELIGHT_POINTS; left > 0;) {
+    const olx_relit_surfel_turns turns = olx_relit_take_surfels(schedule);
+    assert_int_equal(turns.count, left < 3 ? left : 3);
+    assert_int_equal(turns.first, next);
+    for (uint32_t i = 0; i < turns.count; i++) {
+      assert_int_equal(samples[next], turns.round + (i >= turns.before));
+      samples[next]++;
+      next = (next + 1) % FEW_SURFELS;
+    }
+    left -= turns.count;
+  }
+  for (uint32_t i = 0; i < FEW_SURFELS; i++) assert_int_equal(samples[i], OLX_RELIGHT_POINTS);
+  assert_int_equal(olx_relit_take_surfels(schedule).count, 0);
+  olx_relit_schedule_free(schedule);
+  olx_field_close(field);
+}
+
+// What a device reports of a frame before lights were set again says nothing of the new light.
+static void test_late_records_of_earlier_lights_are_ignored(void **state) {
+  olx_field *field = few_surfels(*state);
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.surfels = 3;
+  olx_relit_schedule *schedule;
+  ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
+  assert_int_equal(olx_relit_take_links(schedule).count, 0); // as baked
+  olx_relit_wake(schedule, 1, false);
+  const olx_relit_link_turns earlier = olx_relit_take_links(schedule);
+  assert_true(earlier.count == 3 && !earlier.ends && earlier.dark && earlier.shines);
+  olx_relit_wake(schedule, 1, false);
+  for (uint32_t i = 0; i < OLX_RELIGHT_POINTS; i++) olx_relit_take_surfels(schedule);
+  const olx_relit_link_turns begins = olx_relit_take_links(schedule), ends = olx_relit_take_links(schedule);
+  assert_true(begins.count == 3 && !begins.ends && ends.count == 2 && ends.ends && ends.shines && !ends.dark);
+  olx_relit_links_followed(schedule, &begins, 0.0, 1.0);
+  olx_relit_links_followed(schedule, &earlier, 1.0, 1.0); // all light changed, but by lights of the past
+  olx_relit_links_followed(schedule, &ends, 0.0, 1.0);
+  assert_int_equal(olx_relit_take_links(schedule).count, 0); // nothing changed: light has settled
+  olx_relit_schedule_free(schedule);
+  olx_field_close(field);
 }
 
 // In two rooms without a door a lamp in one leaves the other dark; and when light has arrived a frame costs nothing.
@@ -372,7 +444,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   settings.sleep = 1e-6f; // the light of the bake, which was in both rooms, fades to about this share
   olx_relight *relight = begin(field, &settings);
   const olx_vec3 lit = field->probe_positions[3];
-  const olx_relight_light lamp = {.type = OLX_RELIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};
   ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
   assert_true(run(relight, lit, 300) < 300);
   const olx_field *now = olx_relight_field(relight);
@@ -384,7 +456,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   print_message("%g of the light in the other room\n", light[1] / light[0]);
   assert_true(light[0] > 0.0 && light[1] < 1e-4 * light[0]);
   olx_relight_stats stats;
-  const uint32_t frame = relight->frame;
+  const uint32_t frame = olx_relit_frames(relight->schedule);
   ASSERT_OK(olx_relight_frame(relight, lit, &stats));
   assert_true(stats.awake == 0 && stats.texels == 0 && stats.shadow_rays == 0 && stats.surfels_gathered == 0);
   for (uint32_t i = 0; i < 8; i++) assert_true(olx_relight_probe_state(relight, i).last_frame <= frame);
@@ -426,21 +498,24 @@ static void test_refuses_settings_and_lights(void **state) {
   REFUSED(near_metres = INFINITY);
 #undef REFUSED
   relight = begin(field, &good);
-  const olx_relight_light sun = {.type = OLX_RELIGHT_SUN, .emission = {1, 1, 1}, .direction = {0, -1, 0}};
+  const olx_light sun = {.type = OLX_LIGHT_SUN, .emission = {1, 1, 1}, .direction = {0, -1, 0}};
   ASSERT_OK(olx_relight_set_lights(relight, &sun, 1));
 #define REFUSED(change)                                                                                                \
   do {                                                                                                                 \
-    olx_relight_light light = sun;                                                                                     \
+    olx_light light = sun;                                                                                             \
     light.change;                                                                                                      \
     assert_int_equal(olx_relight_set_lights(relight, &light, 1), OLX_ERROR_ARGUMENT);                                  \
   } while (0)
-  REFUSED(type = (olx_relight_light_type)6);
+  REFUSED(type = (olx_light_type)6);
   REFUSED(emission.y = NAN);
   REFUSED(emission.y = -1.0f);
   REFUSED(direction = olx_splat(0.0f));
   REFUSED(direction.x = INFINITY);
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_inner = 1.5f);
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_outer = 0.5f); // the inner cone is the wider one
+  REFUSED(type = OLX_LIGHT_SPOT; light.cosine_outer = -2.0f);
 #undef REFUSED
-  static olx_relight_light many[257];
+  static olx_light many[257];
   assert_int_equal(olx_relight_set_lights(relight, many, 257), OLX_ERROR_ARGUMENT);
   // After a refusal the lights are those given before; an eye that is nowhere is one in the middle.
   ASSERT_OK(olx_relight_frame(relight, olx_splat(NAN), NULL));
@@ -458,6 +533,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_surfels_take_turns, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_late_records_of_earlier_lights_are_ignored, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, scene_folder_set_up, scene_folder_tear_down),
   };

@@ -1,6 +1,7 @@
 // Tests frames of a relighter on a device: lights change, and the light of each frame is that of olx_relight_frame;
 // what does not fit or is missing is refused.
 #include "core/hooks.h"
+#include "relight/relighter.h"
 #include "scene_files.h"
 #include "tiny_scenes.h"
 #include "vulkan/gpu_relight.h"
@@ -191,7 +192,9 @@ static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
 
 // Relative mean squared error of light that surfels have: direct (0), indirect (1), highlights (2).
 static double surfels_apart(const both_sides *b, uint32_t part) {
-  const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->direct, b->cpu->irradiance, b->cpu->highlights}, *truth = truths[part];
+  const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->surfels.direct, b->cpu->surfels.irradiance,
+                                          b->cpu->surfels.highlights},
+                 *truth = truths[part];
   const uint32_t count = b->frames->constants.surfels;
   const olx_vec3 *light = (const olx_vec3 *)copied.mapped + (size_t)count * part;
   double off = 0.0, sum = 0.0;
@@ -203,30 +206,30 @@ static double surfels_apart(const both_sides *b, uint32_t part) {
   return sum > 0.0 ? off / sum : off;
 }
 
-static const olx_relight_light BULB = {
-    .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
-static const olx_relight_light SPOT = {.type = OLX_RELIGHT_SPOT,
-                                       .emission = {3.0f, 1.0f, 1.0f},
-                                       .position = {-0.5f, 0.8f, 0.4f},
-                                       .direction = {0.6f, -0.8f, 0.0f},
-                                       .cosine_inner = 0.95f,
-                                       .cosine_outer = 0.7f};
-static const olx_relight_light SUN = {
-    .type = OLX_RELIGHT_SUN, .emission = {4.0f, 4.0f, 5.0f}, .direction = {0.48f, -0.8f, 0.36f}};
-static const olx_relight_light PANEL = {.type = OLX_RELIGHT_RECT,
-                                        .emission = {2.0f, 2.0f, 4.0f},
-                                        .position = {-0.3f, 0.95f, -0.3f},
-                                        .edge_u = {0.6f, 0.0f, 0.0f},
-                                        .edge_v = {0.0f, 0.0f, 0.6f}};
-static const olx_relight_light FLAG = {.type = OLX_RELIGHT_TRIANGLE,
-                                       .emission = {5.0f, 1.0f, 1.0f},
-                                       .position = {0.8f, -0.5f, -0.5f},
-                                       .edge_u = {0.0f, 0.5f, 0.0f},
-                                       .edge_v = {0.0f, 0.0f, 0.5f},
-                                       .both_sides = true};
-static const olx_relight_light SKY = {.type = OLX_RELIGHT_SKY, .emission = {0.3f, 0.4f, 0.6f}};
+static const olx_light BULB = {
+    .type = OLX_LIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
+static const olx_light SPOT = {.type = OLX_LIGHT_SPOT,
+                               .emission = {3.0f, 1.0f, 1.0f},
+                               .position = {-0.5f, 0.8f, 0.4f},
+                               .direction = {0.6f, -0.8f, 0.0f},
+                               .cosine_inner = 0.95f,
+                               .cosine_outer = 0.7f};
+static const olx_light SUN = {
+    .type = OLX_LIGHT_SUN, .emission = {4.0f, 4.0f, 5.0f}, .direction = {0.48f, -0.8f, 0.36f}};
+static const olx_light PANEL = {.type = OLX_LIGHT_RECT,
+                                .emission = {2.0f, 2.0f, 4.0f},
+                                .position = {-0.3f, 0.95f, -0.3f},
+                                .edge_u = {0.6f, 0.0f, 0.0f},
+                                .edge_v = {0.0f, 0.0f, 0.6f}};
+static const olx_light FLAG = {.type = OLX_LIGHT_TRIANGLE,
+                               .emission = {5.0f, 1.0f, 1.0f},
+                               .position = {0.8f, -0.5f, -0.5f},
+                               .edge_u = {0.0f, 0.5f, 0.0f},
+                               .edge_v = {0.0f, 0.0f, 0.5f},
+                               .both_sides = true};
+static const olx_light SKY = {.type = OLX_LIGHT_SKY, .emission = {0.3f, 0.4f, 0.6f}};
 
-static void give_lights(both_sides *b, const olx_relight_light *lights, uint32_t count) {
+static void give_lights(both_sides *b, const olx_light *lights, uint32_t count) {
   ASSERT_OK(olx_relight_set_lights(b->cpu, lights, count));
   ASSERT_OK(olx_relight_set_lights(b->gpu, lights, count));
 }
@@ -288,7 +291,7 @@ static void frames_are_those_of_the_cpu(void **unused) {
   assert_int_equal(olx_relight_frame(b.gpu, olx_splat(0.0f), NULL), OLX_ERROR_ARGUMENT);
   assert_int_equal(device_frame(&b, olx_splat(0.0f)).awake, 0); // no lights were given yet
   ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));
-  const olx_relight_light small[] = {BULB, SPOT, SUN}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
+  const olx_light small[] = {BULB, SPOT, SUN}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
   give_lights(&b, small, 1);
   expect_same(&b, 4, "a bulb");
   give_lights(&b, small, 3);
@@ -311,7 +314,7 @@ static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   settings.shadow_rays = 4000;
   settings.light_samples = 6;
   both_sides b = make_both(&settings, 3);
-  const olx_relight_light first[] = {SUN}, lights[] = {BULB, PANEL};
+  const olx_light first[] = {SUN}, lights[] = {BULB, PANEL};
   give_lights(&b, first, 1);
   for (uint32_t i = 0; i < 3; i++) {
     ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));

@@ -3,8 +3,8 @@
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "core/sampling.h"
+#include "relight/relighter.h"
 #include "scene_files.h"
-#include "shade/relighter_parts.h"
 #include "tiny_scenes.h"
 
 #include <octalux/bake.h>
@@ -21,9 +21,9 @@ typedef struct two_surfels {
   uint32_t link_starts[3];
   olx_relight_link link;
   olx_relight_header header;
-  olx_field field;
+  olx_relight_data data;
   olx_vec3 direct[2], beams[2];
-  olx_relight relight;
+  olx_relit_surfels lit;
 } two_surfels;
 
 static const olx_vec3 LIGHT = {2.0f, 1.0f, 4.0f};
@@ -39,12 +39,12 @@ static void make(two_surfels *t, olx_vec3 place, olx_vec3 from) {
   t->surfels[FLOOR] = (olx_relight_surfel){
       .normal = olx_normal_pack(olx_v3(0.0f, 1.0f, 0.0f)), .diffuse = 102, .specular = 51, .f0 = 10, .alpha = 23};
   olx_store3(t->surfels[PLACE].points[0], place);
-  t->field.relight =
+  t->data =
       (olx_relight_data){.header = &t->header, .surfels = t->surfels, .link_starts = t->link_starts, .links = &t->link};
-  t->relight = (olx_relight){.source = &t->field, .direct = t->direct, .beams = t->beams};
+  t->lit = (olx_relit_surfels){.data = &t->data, .direct = t->direct, .beams = t->beams};
 }
 
-static olx_vec3 found(const two_surfels *t) { return olx_relit_highlights(&t->relight, PLACE); }
+static olx_vec3 found(const two_surfels *t) { return olx_relit_highlights(&t->lit, PLACE); }
 
 // A direction in the plane of x and y, so many degrees above the floor.
 static olx_vec3 at_angle(float degrees) {
@@ -151,8 +151,8 @@ static void test_no_surface_reflects_more_than_it_gets(void **state) {
 
 // ---- A floor in a low sun, between two walls
 
-static const olx_relight_light SUN = {
-    .type = OLX_RELIGHT_SUN, .emission = {5.0f, 5.0f, 5.0f}, .direction = {0.94f, -0.3411744f, 0.0f}};
+static const olx_light SUN = {
+    .type = OLX_LIGHT_SUN, .emission = {5.0f, 5.0f, 5.0f}, .direction = {0.94f, -0.3411744f, 0.0f}};
 
 // Walls are x = -1, over which the sun stands, and x = 1, to which it shines.
 static olx_scene *two_walls(const olx_material *floor) {
@@ -200,7 +200,7 @@ static double mean_of_wall(const olx_relight *r, float side) {
   for (uint32_t i = 0; i < r->source->relight.header->surfels; i++) {
     const olx_relight_surfel *s = &r->source->relight.surfels[i];
     if (olx_normal_unpack((uint16_t)s->normal).x * side > -0.9f) continue;
-    sum += (double)olx_luminance(r->irradiance[i]);
+    sum += (double)olx_luminance(r->surfels.irradiance[i]);
     count += 1.0;
   }
   assert_true(count > 20.0);
@@ -210,8 +210,8 @@ static double mean_of_wall(const olx_relight *r, float side) {
 static double sum_of_highlights(const olx_relight *r) {
   double sum = 0.0;
   for (uint32_t i = 0; i < r->source->relight.header->surfels; i++) {
-    assert_true(olx_finite(r->highlights[i]));
-    sum += (double)olx_luminance(r->highlights[i]);
+    assert_true(olx_finite(r->surfels.highlights[i]));
+    sum += (double)olx_luminance(r->surfels.highlights[i]);
   }
   return sum;
 }

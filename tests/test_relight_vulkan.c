@@ -1,15 +1,15 @@
 // Tests a field on the device that follows a relighter: after all copies it is the field that an upload of the
 // relighter's maps would give, however few bytes a call may copy.
+#include "relight/relighter.h"
 #include "relit_room.h"
 #include "scene_files.h"
-#include "shade/relighter_parts.h"
 
 #include <octalux/bake.h>
 #include <octalux/vulkan.h>
 
 static const analytic_scene ROOM = {.room = {{-1, -1, -1}, {1, 1, 1}}};
-static const olx_relight_light LAMP = {
-    .type = OLX_RELIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
+static const olx_light LAMP = {
+    .type = OLX_LIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
 
 static gpu_device device;
 static scene_folder folder;
@@ -111,7 +111,7 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
   assert_true(errors[0] == 0.0 && errors[1] == 0.0); // as baked: dark
   const uint32_t budgets[] = {4 << 20, 100000, 1};
   for (uint32_t i = 0; i < 3; i++) {
-    olx_relight_light lamp = LAMP;
+    olx_light lamp = LAMP;
     lamp.position.x -= 0.4f * (float)i;
     lamp.emission = olx_scale(lamp.emission, 1.0f + (float)i);
     ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));

@@ -202,7 +202,7 @@ static void sky_and_sun_light_a_square(void **state) {
   assert_true(lit > 50 && shaded > 50 && sky > 300);
   const olx_field_light *sun = field->surfaces.lights;
   assert_int_equal(field->surfaces.light_count, 1);
-  assert_true(sun->type == OLX_FIELD_SUN && sun->direction.y == -1.0f && sun->emission.x == 3.0f &&
+  assert_true(sun->type == OLX_LIGHT_SUN && sun->direction.y == -1.0f && sun->emission.x == 3.0f &&
               sun->position.y == 0.0f);
   olx_field_close(field);
   olx_scene_free(scene);
@@ -273,7 +273,7 @@ static void materials_survive(void **state) {
     assert_float_equal(sqrtf(stored.alpha), 0.4f, 0.002f);
   }
   const olx_field_light *spot = field->surfaces.lights;
-  assert_true(spot->type == OLX_FIELD_SPOT && spot->cosine_inner == 0.9f && spot->cosine_outer == 0.7f &&
+  assert_true(spot->type == OLX_LIGHT_SPOT && spot->cosine_inner == 0.9f && spot->cosine_outer == 0.7f &&
               spot->position.z == 0.3f && spot->emission.y == 2.0f);
   olx_field_close(field);
   olx_scene_free(scene);

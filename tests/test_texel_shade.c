@@ -17,7 +17,8 @@
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
 static const olx_vec3 lamp_intensity = {3.0f, 2.0f, 1.0f};
-static const olx_field_light lamp = {.type = OLX_FIELD_POINT, .position = {0.1f, 0.6f, -0.2f}, .emission = {3.0f, 2.0f, 1.0f}};
+static const olx_field_light lamp = {
+    .type = OLX_LIGHT_POINT, .position = {0.1f, 0.6f, -0.2f}, .emission = {3.0f, 2.0f, 1.0f}};
 
 static olx_vec3 texel_position(const olx_field *field, uint32_t probe, size_t texel) {
   int32_t x, y;

@@ -57,6 +57,13 @@ void view_lights_move(view_lights *lights, uint32_t light, float right, float up
   l->direction = (olx_vec3){-cosf(height) * sinf(around), -sinf(height), -cosf(height) * cosf(around)};
 }
 
+// Returns a light with its strength.
+static olx_light light_of(const view_lights *lights, uint32_t i) {
+  olx_light light = lights->light[i];
+  light.emission = times(light.emission, lights->strength[i]);
+  return light;
+}
+
 static void scale_lamp(const view_lights *lights, lamp *l) {
   const bool sky = l->kind == LAMP_DISTANT && l->extent > 0.0f;
   const float factor = l->kind == LAMP_SURFACE ? lights->surfaces : sky ? lights->sky : 1.0f;
@@ -68,9 +75,7 @@ bool view_lights_lamps(const olx_scene_content *content, const view_lights *ligh
   olx_light *moved = calloc((size_t)content->light_count + 1, sizeof *moved);
   if (!moved) return false;
   for (uint32_t i = 0; i < content->light_count; i++) {
-    const bool movable = i < lights->count;
-    moved[i] = movable ? lights->light[i] : content->lights[i];
-    if (movable) moved[i].emission = times(moved[i].emission, lights->strength[i]);
+    moved[i] = i < lights->count ? light_of(lights, i) : content->lights[i];
   }
   olx_scene_content changed = *content;
   changed.lights = moved;
@@ -80,18 +85,11 @@ bool view_lights_lamps(const olx_scene_content *content, const view_lights *ligh
   return made;
 }
 
-void view_lights_relit(const view_lights *lights, olx_relight_light *relit, uint32_t count) {
+void view_lights_relit(const view_lights *lights, olx_light *relit, uint32_t count) {
   for (uint32_t i = 0; i < count; i++) {
-    olx_relight_light *r = &relit[i];
-    if (i < lights->count) {
-      const olx_light *l = &lights->light[i];
-      r->position = l->position;
-      r->direction = l->direction;
-      r->emission = times(l->emission, lights->strength[i]);
-    } else if (r->type == OLX_RELIGHT_TRIANGLE) {
-      r->emission = times(r->emission, lights->surfaces);
-    } else if (r->type == OLX_RELIGHT_SKY) {
-      r->emission = times(r->emission, lights->sky);
-    }
+    olx_light *light = &relit[i];
+    if (i < lights->count) *light = light_of(lights, i);
+    else if (light->type == OLX_LIGHT_TRIANGLE) light->emission = times(light->emission, lights->surfaces);
+    else if (light->type == OLX_LIGHT_SKY) light->emission = times(light->emission, lights->sky);
   }
 }

@@ -21,6 +21,6 @@ void view_lights_move(view_lights *lights, uint32_t light, float right, float up
 bool view_lights_lamps(const olx_scene_content *content, const view_lights *lights, const lamp_settings *settings,
                        lamp_list *list);
 // Applies the changes to the lights of olx_scene_relight_lights, in which the scene's lights without area come first.
-void view_lights_relit(const view_lights *lights, olx_relight_light *relit, uint32_t count);
+void view_lights_relit(const view_lights *lights, olx_light *relit, uint32_t count);
 
 #endif

@@ -12,7 +12,7 @@ enum { MOST_LIGHTS = 256 };
 struct view_relight {
   olx_relight *relight;
   olx_vulkan_update *update;
-  olx_relight_light scene_lights[MOST_LIGHTS], lights[MOST_LIGHTS];
+  olx_light scene_lights[MOST_LIGHTS], lights[MOST_LIGHTS];
   uint32_t light_count;
   bool lights_changed;
   olx_relight_stats stats; // of the last frame

@@ -275,7 +275,7 @@ static olx_result run_frames(relit_run *r) {
   settings.occlusion = olx_scene_occlusion;
   settings.user = r->scene;
   settings.threads = r->b->options->threads;
-  olx_relight_light lights[MOST_LIGHTS];
+  olx_light lights[MOST_LIGHTS];
   uint32_t count;
   relit_total total = {.frames = 0};
   measure(r, r->field, &total.mean_off, &total.before_rms);

@@ -17,6 +17,7 @@
 
 #include <octalux/base.h>
 #include <octalux/field.h>
+#include <octalux/light.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,25 +25,6 @@ extern "C" {
 #pragma GCC visibility push(default)
 
 typedef struct olx_relight olx_relight;
-
-typedef enum olx_relight_light_type {
-  OLX_RELIGHT_SUN = 0,
-  OLX_RELIGHT_POINT,
-  OLX_RELIGHT_SPOT,
-  OLX_RELIGHT_RECT,     // a parallelogram
-  OLX_RELIGHT_TRIANGLE, // half of a parallelogram
-  OLX_RELIGHT_SKY       // the same radiance from wherever a ray meets nothing
-} olx_relight_light_type;
-
-typedef struct olx_relight_light {
-  olx_relight_light_type type;
-  olx_vec3 emission;  // sun: irradiance on a surface facing it; point, spot: radiant intensity; others: radiance
-  olx_vec3 position;  // metres; of point and spot; a corner of rect and triangle
-  olx_vec3 direction; // of travel, unit; of sun and spot
-  float cosine_inner, cosine_outer; // of a spot: full light inside, none outside, a smooth step between
-  olx_vec3 edge_u, edge_v;          // of rect and triangle: from the corner; they emit on the side of edge_u x edge_v
-  bool both_sides;                  // of rect and triangle: they emit on the other side too
-} olx_relight_light;
 
 // A ray from a surface towards a light.
 typedef struct olx_shadow_ray {
@@ -74,14 +56,15 @@ olx_relight_settings olx_relight_settings_default(void);
 
 // Creates a relighter. OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field baked without the
 // data for relighting. The field must outlive the relighter. On success the caller must free *relight, on failure it is
-// NULL. It takes 8 bytes a texel of light field maps and 56 a surfel.
+// NULL. It takes 8 bytes a texel of light field maps and 60 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // Frees a relighter. NULL is allowed.
 void olx_relight_free(olx_relight *relight);
 
 // Sets all lights from now on, at most 256, which are copied. They replace the lights of the bake and those of earlier
-// calls. Previous light stays until it is replaced.
-olx_result olx_relight_set_lights(olx_relight *relight, const olx_relight_light *lights, uint32_t count);
+// calls. Previous light stays until it is replaced. OLX_ERROR_ARGUMENT, with a message, for too many lights and for a
+// light out of range (octalux/light.h); the lights then stay as they were.
+olx_result olx_relight_set_lights(olx_relight *relight, const olx_light *lights, uint32_t count);
 
 // The work that a frame did.
 typedef struct olx_relight_stats {

@@ -12,6 +12,7 @@
 
 #include <octalux/base.h>
 #include <octalux/field.h>
+#include <octalux/light.h>
 #include <octalux/relight.h>
 
 #ifdef __cplusplus
@@ -119,7 +120,7 @@ const char *olx_builtin_name(uint32_t index);
 // Converts the scene's lights for a relighter: at most `most` of them, rectangles and other emissive surfaces as
 // triangles, the environment as a sky. *count receives their number. OLX_ERROR_UNSUPPORTED when there are more, or an
 // image as environment.
-olx_result olx_scene_relight_lights(const olx_scene *scene, olx_relight_light *lights, uint32_t most, uint32_t *count);
+olx_result olx_scene_relight_lights(const olx_scene *scene, olx_light *lights, uint32_t most, uint32_t *count);
 
 // Implements olx_occlusion; `scene` is the olx_scene whose triangles are tested.
 void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded);
@@ -168,17 +169,6 @@ typedef struct olx_material {
   uint32_t second_uvs;   // olx_texture_slot bits of the textures that are looked up by second_uvs
 } olx_material;
 
-typedef enum olx_light_type { OLX_LIGHT_SUN = 0, OLX_LIGHT_POINT = 1, OLX_LIGHT_SPOT = 2 } olx_light_type;
-
-// A light without area. Rectangles become emissive triangles at import.
-typedef struct olx_light {
-  olx_light_type type;
-  olx_vec3 position;                // of point and spot
-  olx_vec3 direction;               // of travel, unit; of sun and spot
-  olx_vec3 emission;                // sun: irradiance on a surface facing it; point, spot: radiant intensity
-  float cosine_inner, cosine_outer; // of a spot: full light inside, none outside, a smooth step between
-} olx_light;
-
 // Light from infinitely far away: a constant radiance, multiplied by an image where there is one.
 typedef struct olx_environment {
   olx_vec3 radiance; // constant part; with an image, its gain in each channel
@@ -202,7 +192,7 @@ typedef struct olx_scene_content {
   const uint32_t *material_index; // one a triangle
   const olx_material *materials;
   const olx_texture *textures;
-  const olx_light *lights;
+  const olx_light *lights; // suns, points and spots; lamps with an area are triangles of emissive materials
   const olx_camera *cameras;
   const olx_environment *environment;
   double origin[3]; // see olx_scene_info

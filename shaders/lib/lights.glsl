@@ -7,7 +7,6 @@
 #include "maps.glsl"
 
 const uint OLX_FIELD_LIGHT_WORDS = 16u;
-const uint OLX_FIELD_SUN = 0u, OLX_FIELD_SPOT = 2u;
 
 struct olx_field_light {
   uint type;
@@ -38,7 +37,7 @@ olx_field_light olx_field_light_at(uint index) {
 float olx_field_light_cone(olx_field_light light, float cosine) {
   float share = olx_square((cosine - light.cosine_outer) / (light.cosine_inner - light.cosine_outer));
   share = cosine <= light.cosine_outer ? 0.0 : share;
-  return light.type != OLX_FIELD_SPOT || cosine >= light.cosine_inner ? 1.0 : share;
+  return light.type != OLX_LIGHT_SPOT || cosine >= light.cosine_inner ? 1.0 : share;
 }
 
 olx_light_arrival olx_field_light_arrival(olx_field_light light, vec3 position) {
@@ -46,7 +45,7 @@ olx_light_arrival olx_field_light_arrival(olx_field_light light, vec3 position) 
   float inverse = 1.0 / max(sqrt(olx_dot(away, away)), 8.673617379884035e-19);
   vec3 direction = away * inverse;
   float cone = olx_field_light_cone(light, -olx_dot(direction, light.direction));
-  bool sun = light.type == OLX_FIELD_SUN;
+  bool sun = light.type == OLX_LIGHT_SUN;
   return olx_light_arrival(sun ? -light.direction : direction,
                            sun ? light.emission : light.emission * (cone * olx_square(inverse)));
 }

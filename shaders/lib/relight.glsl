@@ -1,5 +1,5 @@
-// Twin of src/shade/relighter*.c, as far as these use numbers alone: rays to lights, and how texels and probes of the
-// volume receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
+// Twin of src/relight/*.c, as far as these use numbers alone: rays to lights, and how texels and probes of the volume
+// receive light from surfels. It is not part of octalux.glsl, because only Octalux's own passes
 // have its buffers.
 //
 // SPDX-License-Identifier: MIT
@@ -26,8 +26,8 @@ struct olx_light_ray {
 bool olx_light_varies(olx_gpu_light light) { return light.type >= OLX_LIGHT_RECT; }
 
 float olx_spot_falloff(olx_gpu_light light, float cosine) {
-  if (cosine <= light.cosine_outer) return 0.0;
   if (cosine >= light.cosine_inner) return 1.0;
+  if (cosine <= light.cosine_outer) return 0.0;
   return olx_square((cosine - light.cosine_outer) / (light.cosine_inner - light.cosine_outer));
 }
 
@@ -75,7 +75,7 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   return cosine > 0.0;
 }
 
-// ---- Highlights between surfels (relighter_highlights.c)
+// ---- Highlights between surfels (src/relight/relit_highlights.c)
 
 const float OLX_LINK_ALPHA = 0.2;  // surfels represent surfaces of some size, so their lobes are widened by it
 const float OLX_MOST_BRIGHT = 2.0; // relative to a white matte surface

@@ -1,4 +1,5 @@
-// Computes the irradiance of scheduled probes of the volume, from the surfels of their links.
+// Computes the irradiance of probes of the volume whose turn it is, cyclically from call.first on, from the surfels of
+// their links.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"
@@ -30,7 +31,7 @@ void write_probe(uint probe, vec3 sums[OLX_HARMONICS_MOST]) {
 void main() {
   uint thread = thread_index();
   if (thread >= call.count) return;
-  uint probe = state[relight.probes + thread], end = structure[relight.volume_starts + probe + 1u];
+  uint probe = (call.first + thread) % relight.volume_probes, end = structure[relight.volume_starts + probe + 1u];
   vec3 sums[OLX_HARMONICS_MOST];
   for (uint k = 0u; k < OLX_HARMONICS_MOST; k++) sums[k] = vec3(0.0);
   for (uint i = structure[relight.volume_starts + probe]; i < end; i++) add_link(relight.volume_links + 3u * i, sums);

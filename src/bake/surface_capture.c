@@ -7,6 +7,7 @@
 #include "bake/texel_radiance.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "field/lights.h"
 #include "field/texels.h"
 #include "light/path.h"
 
@@ -264,23 +265,9 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   c->irradiance = NULL;
 }
 
-// What a type of light does not use stays 0.
-static olx_field_light field_light(const olx_light *light) {
-  olx_field_light stored = {.type = OLX_FIELD_POINT, .emission = light->emission};
-  if (light->type == OLX_LIGHT_SUN) stored.type = OLX_FIELD_SUN;
-  if (light->type == OLX_LIGHT_SPOT) stored.type = OLX_FIELD_SPOT;
-  if (light->type != OLX_LIGHT_SUN) stored.position = light->position;
-  if (light->type != OLX_LIGHT_POINT) stored.direction = light->direction;
-  if (light->type == OLX_LIGHT_SPOT) {
-    stored.cosine_inner = light->cosine_inner;
-    stored.cosine_outer = light->cosine_outer;
-  }
-  return stored;
-}
-
 olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights) {
   *lights = olx_allocate(scene->light_count ? scene->light_count : 1, sizeof **lights);
   if (!*lights) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u lights", scene->light_count);
-  for (uint32_t i = 0; i < scene->light_count; i++) (*lights)[i] = field_light(&scene->lights[i]);
+  for (uint32_t i = 0; i < scene->light_count; i++) (*lights)[i] = olx_field_light_pack(&scene->lights[i]);
   return OLX_OK;
 }

@@ -9,17 +9,15 @@
 
 #include "shaders/octalux_shared.h"
 
+#include <octalux/light.h>
+
 enum { OLX_EMISSION_TILE_TEXELS = OLX_EMISSION_TILE * OLX_EMISSION_TILE, OLX_FIELD_MOST_LIGHTS = 1 << 20 };
 
-typedef enum olx_field_light_type { OLX_FIELD_SUN = 0, OLX_FIELD_POINT = 1, OLX_FIELD_SPOT = 2 } olx_field_light_type;
-
-// A light without area, in the chunk LITE. Values that a type does not use are 0.
+// A light without area (octalux/light.h) as the chunk LITE and devices pack it. Values that its type does not use are 0.
 typedef struct olx_field_light {
-  uint32_t type;                    // olx_field_light_type
-  olx_vec3 position;                // metres; of point and spot
-  olx_vec3 direction;               // of travel, unit; of sun and spot
-  olx_vec3 emission;                // sun: irradiance on a surface facing it; point, spot: radiant intensity
-  float cosine_inner, cosine_outer; // of a spot: full light inside, none outside, a smooth step between
+  uint32_t type; // OLX_LIGHT_SUN, _POINT or _SPOT
+  olx_vec3 position, direction, emission;
+  float cosine_inner, cosine_outer;
   uint32_t zero[4];
 } olx_field_light;
 

@@ -30,13 +30,13 @@ static bool is_zero(olx_vec3 v) { return v.x == 0.0f && v.y == 0.0f && v.z == 0.
 // Conditions are written so that NaN fails.
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure) {
   const char *problem = NULL;
-  const bool sun = light->type == OLX_FIELD_SUN, point = light->type == OLX_FIELD_POINT;
+  const bool sun = light->type == OLX_LIGHT_SUN, point = light->type == OLX_LIGHT_POINT;
   const olx_vec3 p = light->position, e = light->emission;
-  if (light->type > OLX_FIELD_SPOT) problem = "unknown type";
+  if (light->type > OLX_LIGHT_SPOT) problem = "unknown type";
   else if (sun ? !is_zero(p) : !(is_length(p.x) && is_length(p.y) && is_length(p.z))) problem = "impossible position";
   else if (point ? !is_zero(light->direction) : !is_unit(light->direction)) problem = "impossible direction";
   else if (!olx_finite(e)) problem = "impossible emission";
-  else if (light->type == OLX_FIELD_SPOT ? !(light->cosine_inner <= 1.0f && light->cosine_outer >= -1.0f &&
+  else if (light->type == OLX_LIGHT_SPOT ? !(light->cosine_inner <= 1.0f && light->cosine_outer >= -1.0f &&
                                              light->cosine_outer <= light->cosine_inner)
                                          : light->cosine_inner != 0.0f || light->cosine_outer != 0.0f) {
     problem = "impossible cone";

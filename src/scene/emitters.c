@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "field/lights.h"
 #include "scene/distribution.h"
 #include "scene/environment.h"
 #include "scene/spherical_triangle.h"
@@ -126,8 +127,8 @@ static float light_power(const olx_light *light, float radius) {
   case OLX_LIGHT_SUN: return luminance * OLX_PI * radius * radius;
   case OLX_LIGHT_POINT: return luminance * 4.0f * OLX_PI;
   case OLX_LIGHT_SPOT: return luminance * 2.0f * OLX_PI * (1.0f - light->cosine_outer);
+  default: return 0.0f; // lights with an area are triangles
   }
-  return 0.0f;
 }
 
 static olx_result gather_lights(const olx_scene *scene, olx_emitters *emitters) {
@@ -179,13 +180,6 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
   return group >= scene->emitters->light_groups || scene->emitters->light_sums != NULL;
 }
 
-static float spot_falloff(const olx_light *light, float cosine) {
-  if (cosine <= light->cosine_outer) return 0.0f;
-  if (cosine >= light->cosine_inner) return 1.0f;
-  // The falloff that KHR_lights_punctual recommends.
-  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
-}
-
 static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 position, float probability,
                          olx_light_sample *sample) {
   const olx_light *light = &scene->lights[index];
@@ -203,7 +197,8 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
     sample->target = light->position;
     strength = 1.0f / olx_square(distance);
     if (light->type == OLX_LIGHT_SPOT) {
-      strength *= spot_falloff(light, -olx_dot(sample->direction, light->direction));
+      strength *=
+          olx_spot_falloff(light->cosine_inner, light->cosine_outer, -olx_dot(sample->direction, light->direction));
     }
   }
   sample->emission = olx_scale(light->emission, strength / probability);

@@ -4,8 +4,10 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "field/lights.h"
 #include "scene/sources.h"
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -107,6 +109,7 @@ olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, u
 }
 
 olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light) {
+  assert(!olx_light_varies(light));
   olx_light checked = *light;
   if (!olx_scene_holds(scene, light->position) || !olx_finite(light->direction) || !olx_finite(light->emission)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a light's position, direction or emission is not finite or beyond 2e7 m");

@@ -18,6 +18,7 @@ bool olx_sane_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32
 olx_result olx_scene_add_material(olx_scene *scene, const olx_material *material, uint32_t *index);
 // Appends a texture, and takes ownership of texture->texels.
 olx_result olx_scene_add_texture(olx_scene *scene, const olx_texture *texture, uint32_t *index);
+// Appends a light without area.
 olx_result olx_scene_add_light(olx_scene *scene, const olx_light *light);
 olx_result olx_scene_add_camera(olx_scene *scene, const olx_camera *camera);
 // Adds a rectangle light: an absorbing, one-sided emitter that shines along cross(edge_u, edge_v).

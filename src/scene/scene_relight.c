@@ -6,47 +6,33 @@
 
 enum { PACKET = 256 };
 
-static olx_relight_light light_without_area(const olx_light *light) {
-  static const olx_relight_light_type types[] = {
-      [OLX_LIGHT_SUN] = OLX_RELIGHT_SUN, [OLX_LIGHT_POINT] = OLX_RELIGHT_POINT, [OLX_LIGHT_SPOT] = OLX_RELIGHT_SPOT};
-  return (olx_relight_light){.type = types[light->type],
-                             .emission = light->emission,
-                             .position = light->position,
-                             .direction = light->direction,
-                             .cosine_inner = light->cosine_inner,
-                             .cosine_outer = light->cosine_outer};
-}
-
-static bool emitting_triangle(const olx_scene *scene, uint32_t triangle, olx_relight_light *light) {
+static bool emitting_triangle(const olx_scene *scene, uint32_t triangle, olx_light *light) {
   if (olx_emitters_area_pdf(scene, triangle) <= 0.0f) return false;
   const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
   const olx_vec3 a = scene->positions[corner[0]];
-  *light = (olx_relight_light){.type = OLX_RELIGHT_TRIANGLE,
-                               .emission = olx_surface_emission(scene, triangle, 1.0f / 3.0f, 1.0f / 3.0f),
-                               .position = a,
-                               .edge_u = olx_sub(scene->positions[corner[1]], a),
-                               .edge_v = olx_sub(scene->positions[corner[2]], a),
-                               .both_sides = scene->materials[scene->material_index[triangle]].emits_both_sides};
+  *light = (olx_light){.type = OLX_LIGHT_TRIANGLE,
+                       .emission = olx_surface_emission(scene, triangle, 1.0f / 3.0f, 1.0f / 3.0f),
+                       .position = a,
+                       .edge_u = olx_sub(scene->positions[corner[1]], a),
+                       .edge_v = olx_sub(scene->positions[corner[2]], a),
+                       .both_sides = scene->materials[scene->material_index[triangle]].emits_both_sides};
   return true;
 }
 
-static void put(const olx_relight_light *light, olx_relight_light *lights, uint32_t most, uint32_t *count) {
+static void put(const olx_light *light, olx_light *lights, uint32_t most, uint32_t *count) {
   if (*count < most) lights[*count] = *light;
   ++*count;
 }
 
-olx_result olx_scene_relight_lights(const olx_scene *scene, olx_relight_light *lights, uint32_t most, uint32_t *count) {
+olx_result olx_scene_relight_lights(const olx_scene *scene, olx_light *lights, uint32_t most, uint32_t *count) {
   *count = 0;
-  olx_relight_light light;
-  for (uint32_t i = 0; i < scene->light_count; i++) {
-    light = light_without_area(&scene->lights[i]);
-    put(&light, lights, most, count);
-  }
+  olx_light light;
+  for (uint32_t i = 0; i < scene->light_count; i++) put(&scene->lights[i], lights, most, count);
   for (uint32_t t = 0; t < scene->triangle_count; t++) {
     if (emitting_triangle(scene, t, &light)) put(&light, lights, most, count);
   }
   if (olx_environment_lit(scene)) {
-    light = (olx_relight_light){.type = OLX_RELIGHT_SKY, .emission = scene->environment.radiance};
+    light = (olx_light){.type = OLX_LIGHT_SKY, .emission = scene->environment.radiance};
     put(&light, lights, most, count);
     if (scene->environment.texels) return olx_fail(OLX_ERROR_UNSUPPORTED, "relight: the environment is an image");
   }

@@ -3,6 +3,7 @@
 #include "vulkan/gpu_relight.h"
 
 #include "core/hooks.h"
+#include "relight/relighter.h"
 #include "vulkan/uploader.h"
 
 static const char WHAT[] = "relighting on the device";
@@ -195,32 +196,30 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
                     "occlusion function",
                     WHAT);
   }
-  if (relight->frame > 0 || relight->on_device) {
+  if (olx_relit_has_begun(relight)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%s: the relighter has made frames already", WHAT);
   }
   return OLX_OK;
 }
 
-static olx_result begin(olx_vulkan_field *gpu, olx_relight *relight, const olx_vulkan_relight_settings *settings,
+static olx_result begin(olx_vulkan_field *gpu, const olx_relight *relight, const olx_vulkan_relight_settings *settings,
                         olx_vulkan_relight **created) {
   OLX_TRY(check(gpu, relight, settings));
   olx_vulkan_relight *r = olx_allocate_zero(1, sizeof *r);
   if (!r) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for its handle", WHAT);
   r->gpu = gpu;
-  r->relight = relight;
+  r->lights = &relight->lights;
   r->settings = *settings;
-  olx_relight_lay_out(r);
+  olx_relight_lay_out(r, relight);
   const olx_result result = make_buffers(r);
   if (result == OLX_OK) *created = r;
   else olx_vulkan_relight_destroy(r);
   return result;
 }
 
-static olx_result finish(olx_vulkan_relight *r) {
-  r->tiles = olx_allocate((size_t)olx_relight_most_tiles(r->relight) * OLX_TILE_WORDS, sizeof *r->tiles);
-  if (!r->tiles) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
+static olx_result finish(olx_vulkan_relight *r, const olx_relight *relight) {
   OLX_TRY(bind_buffers(r));
-  OLX_TRY(olx_relight_fill(r));
+  OLX_TRY(olx_relight_fill(r, relight));
   return make_pipelines(r);
 }
 
@@ -241,12 +240,12 @@ olx_result olx_vulkan_relight_create(olx_vulkan_field *field, olx_relight *relig
   *created = NULL;
   olx_vulkan_relight *r = NULL;
   OLX_TRY(begin(field, relight, settings, &r));
-  const olx_result result = finish(r);
+  const olx_result result = finish(r, relight);
   if (result != OLX_OK) {
     olx_vulkan_relight_destroy(r);
     return result;
   }
-  relight->on_device = true;
+  r->schedule = olx_relit_hand_over(relight);
   *created = r;
   return OLX_OK;
 }
@@ -266,6 +265,5 @@ void olx_vulkan_relight_destroy(olx_vulkan_relight *r) {
     vk->DestroyBuffer(device, r->buffers[i].buffer, NULL);
     vk->FreeMemory(device, r->buffers[i].memory, NULL);
   }
-  olx_release(r->tiles);
   olx_release(r);
 }

@@ -3,7 +3,8 @@
 #ifndef OLX_VULKAN_GPU_RELIGHT_H
 #define OLX_VULKAN_GPU_RELIGHT_H
 
-#include "shade/relighter_schedule.h"
+#include "relight/relit_lights.h"
+#include "relight/relit_schedule.h"
 #include "vulkan/vulkan_frame.h"
 
 enum { OLX_RELIGHT_MOST_IN_FLIGHT = 8 };
@@ -49,16 +50,18 @@ typedef struct olx_relight_storage {
 // The number of words of the state before the first word to which its offsets refer.
 #define OLX_RELIGHT_HEADER_WORDS ((uint32_t)(sizeof(olx_gpu_relight) / sizeof(uint32_t)))
 
-// The frame whose results a slot holds.
+_Static_assert(sizeof(olx_relit_tile) == OLX_TILE_WORDS * sizeof(uint32_t), "a tile is uploaded as it is");
+
+// The turns whose results a slot holds.
 typedef struct olx_relight_reading {
   bool written;
-  olx_relit_sweep_part part;
-  uint32_t light_changes; // of the relighter, in that frame
+  olx_relit_link_turns turns;
 } olx_relight_reading;
 
 struct olx_vulkan_relight {
   olx_vulkan_field *gpu;
-  olx_relight *relight;
+  olx_relit_schedule *schedule;   // of the relighter, handed over
+  const olx_relit_lights *lights; // of the relighter
   olx_vulkan_relight_settings settings;
   olx_gpu_relight constants;
   olx_relight_storage buffers[OLX_RELIGHT_BUFFERS];
@@ -67,19 +70,14 @@ struct olx_vulkan_relight {
   olx_gpu_group groups[OLX_RELIGHT_GROUPS];
   VkDescriptorPool pool;
   VkPipeline pipelines[OLX_RELIGHT_PASSES];
-  uint32_t *tiles;        // the tiles of a frame, OLX_TILE_WORDS words each
-  uint32_t light_changes; // the relighter's count up to which the device has its lights
+  uint32_t light_changes; // the schedule's count up to which the device has the relighter's lights
   uint32_t slot;          // the current slot of the results
   olx_relight_reading readings[OLX_RELIGHT_MOST_IN_FLIGHT];
 };
 
-// Returns the most tiles and volume probes that a frame has.
-uint32_t olx_relight_most_tiles(const olx_relight *relight);
-uint32_t olx_relight_most_volume_probes(const olx_relight *relight);
-
 // Computes the offsets in the buffers and the number of words of each.
-void olx_relight_lay_out(olx_vulkan_relight *relight);
-// Fills the buffers from the relighter.
-olx_result olx_relight_fill(olx_vulkan_relight *relight);
+void olx_relight_lay_out(olx_vulkan_relight *v, const olx_relight *relight);
+// Fills the buffers with the structure of a relighter's field and its present light.
+olx_result olx_relight_fill(olx_vulkan_relight *v, const olx_relight *relight);
 
 #endif

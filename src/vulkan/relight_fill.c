@@ -1,5 +1,6 @@
 // Lays out the buffers of a relighter on a device, and fills them when it is created.
 #include "core/hooks.h"
+#include "relight/relighter.h"
 #include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"
 
@@ -7,14 +8,11 @@ enum { VECTOR = 3, STRIPS = 4, CORNERS = 4 };
 
 // ---- Layout
 
-uint32_t olx_relight_most_tiles(const olx_relight *r) {
-  const uint64_t texels = (uint64_t)r->tile_side * r->tile_side, most = (r->settings.texels + texels - 1) / texels;
-  return most < r->tile_count ? (uint32_t)most : r->tile_count;
-}
-
-uint32_t olx_relight_most_volume_probes(const olx_relight *r) {
-  const uint32_t all = r->source->relight.header->volume_probes;
-  return r->settings.volume_probes < all ? r->settings.volume_probes : all;
+// Returns the most tiles that a frame has.
+static uint64_t most_tiles(const olx_relight *r, uint64_t texels) {
+  const uint64_t most = (r->settings.texels + texels - 1) / texels,
+                 all = (uint64_t)olx_relit_tiles_a_map(r->source->n) * r->source->info.probes.count;
+  return most < all ? most : all;
 }
 
 // Takes the next `words` of a buffer of which `used` are taken, and returns the first.
@@ -26,13 +24,12 @@ static uint32_t take(uint64_t *used, uint64_t words) {
 
 static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_relight *v) {
   const olx_relight_header *h = r->source->relight.header;
-  const uint64_t tiles = olx_relight_most_tiles(r), texels = (uint64_t)r->tile_side * r->tile_side;
+  const uint64_t texels = (uint64_t)c->tile_side * c->tile_side, tiles = most_tiles(r, texels);
   const uint32_t swept = r->settings.surfels < h->surfels ? r->settings.surfels : h->surfels;
   uint64_t used = 0;
   v->result_words = 2 * (swept / OLX_RELIGHT_GROUP + 1);
   c->lights = take(&used, OLX_RELIT_MOST_LIGHTS * OLX_LIGHT_WORDS);
   c->tiles = take(&used, OLX_TILE_WORDS * tiles);
-  c->probes = take(&used, olx_relight_most_volume_probes(r));
   c->direct = take(&used, VECTOR * (uint64_t)h->surfels);
   c->irradiance = take(&used, VECTOR * (uint64_t)h->surfels);
   c->values = take(&used, VECTOR * (uint64_t)h->surfels);
@@ -63,14 +60,16 @@ static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx
   v->buffers[OLX_BUFFER_SITES].words = (uint64_t)(end - (const char *)d->blocks) / sizeof(uint32_t);
 }
 
-void olx_relight_lay_out(olx_vulkan_relight *v) {
-  const olx_relight *r = v->relight;
+void olx_relight_lay_out(olx_vulkan_relight *v, const olx_relight *r) {
+  const olx_relight_header *h = r->source->relight.header;
   const olx_gpu_words *words = v->gpu->words;
+  const uint32_t side = olx_relit_tile_side(r->source->n);
   v->constants = (olx_gpu_relight){
-      .surfels = r->source->relight.header->surfels,
+      .surfels = h->surfels,
+      .volume_probes = h->volume_probes,
       .light_samples = r->settings.light_samples,
-      .tile_side = r->tile_side,
-      .tile_words = r->tile_side * r->tile_side + STRIPS * r->tile_side + CORNERS,
+      .tile_side = side,
+      .tile_words = side * side + STRIPS * side + CORNERS,
       .volume_light = (uint32_t)((words[OLX_WORDS_VOLUME_LIGHT].offset - words[0].offset) / sizeof(uint32_t))};
   lay_out_state(&v->constants, r, v);
   lay_out_structure(&v->constants, &r->source->relight, v);
@@ -86,15 +85,14 @@ static olx_result copy_words(olx_vulkan_relight *v, olx_uploader *uploader, olx_
 }
 
 // Copies the state. Values of surfels are not uploaded, because they are computed before they are read.
-static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
-  const olx_relight *r = v->relight;
+static olx_result copy_state(olx_vulkan_relight *v, const olx_relit_surfels *s, olx_uploader *uploader) {
   const olx_gpu_relight *c = &v->constants;
   OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, 0, c, OLX_RELIGHT_HEADER_WORDS));
   const struct {
     uint32_t at;
     const olx_vec3 *values;
   } vectors[] = {
-      {c->direct, r->direct}, {c->irradiance, r->irradiance}, {c->beams, r->beams}, {c->highlights, r->highlights}};
+      {c->direct, s->direct}, {c->irradiance, s->irradiance}, {c->beams, s->beams}, {c->highlights, s->highlights}};
   for (uint32_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
     OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + vectors[i].at, vectors[i].values,
                        VECTOR * (uint64_t)c->surfels));
@@ -102,17 +100,16 @@ static olx_result copy_state(olx_vulkan_relight *v, olx_uploader *uploader) {
   return OLX_OK;
 }
 
-static olx_result copy_structure(olx_vulkan_relight *v, olx_uploader *uploader) {
-  const olx_relight_data *d = &v->relight->source->relight;
+static olx_result copy_structure(olx_vulkan_relight *v, const olx_relight_data *d, olx_uploader *uploader) {
   OLX_TRY(copy_words(v, uploader, OLX_BUFFER_SURFELS, 0, d->surfels, v->buffers[OLX_BUFFER_SURFELS].words));
   return copy_words(v, uploader, OLX_BUFFER_SITES, 0, d->blocks, v->buffers[OLX_BUFFER_SITES].words);
 }
 
-olx_result olx_relight_fill(olx_vulkan_relight *v) {
+olx_result olx_relight_fill(olx_vulkan_relight *v, const olx_relight *relight) {
   olx_uploader uploader;
   olx_result result = olx_uploader_begin(&v->gpu->context, &uploader);
-  if (result == OLX_OK) result = copy_state(v, &uploader);
-  if (result == OLX_OK) result = copy_structure(v, &uploader);
+  if (result == OLX_OK) result = copy_state(v, &relight->surfels, &uploader);
+  if (result == OLX_OK) result = copy_structure(v, &relight->source->relight, &uploader);
   if (result == OLX_OK) result = olx_uploader_finish(&uploader);
   olx_uploader_end(&uploader);
   return result;

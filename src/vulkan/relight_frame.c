@@ -11,73 +11,40 @@ enum {
 
 // ---- Results of earlier frames
 
-// Reads the results of a completed frame. They have the meaning that they would have on the CPU, only later. They are
-// ignored once light has settled or the lights have changed.
+// Reads the results of a completed frame. They have the meaning that they would have on the CPU, only later.
 static void read_results(olx_vulkan_relight *v) {
-  olx_relight *r = v->relight;
   olx_relight_reading *reading = &v->readings[v->slot];
   const float *results = v->results + (size_t)v->result_words * v->slot;
   double change = 0.0, sum = 0.0;
   if (!reading->written) return;
   reading->written = false;
-  if (r->settled || reading->light_changes != r->light_changes) return;
-  for (uint32_t i = 0; OLX_RELIGHT_GROUP * i < reading->part.count; i++) {
+  for (uint32_t i = 0; OLX_RELIGHT_GROUP * i < reading->turns.count; i++) {
     change += (double)results[2 * i];
     sum += (double)results[2 * i + 1];
   }
-  olx_relit_links_followed(r, &reading->part, change, sum);
+  olx_relit_links_followed(v->schedule, &reading->turns, change, sum);
 }
 
 // ---- Contents of a frame
 
 typedef struct frame_plan {
-  olx_gpu_relight_call surfels; // the surfels that get direct light
-  bool bounces;
-  olx_relit_sweep_part part;
-  uint32_t tiles, lit_tiles; // lit ones come first
-  uint32_t volume_probes;
+  olx_relit_surfel_turns surfels;
+  olx_relit_link_turns links;
+  olx_relit_tile_turns tiles;
+  olx_relit_volume_turns volume;
 } frame_plan;
 
-// Chooses surfels for direct light. Their numbers are consecutive, with surfel 0 after the last. The first `before` of
-// them have call->round samples and the others one more, so that one dispatch can light them all.
-static void plan_surfels(olx_relight *r, uint64_t rays, olx_gpu_relight_call *call) {
-  const uint32_t count = olx_relit_take_surfels(r, rays);
-  *call = (olx_gpu_relight_call){.count = count};
-  if (count == 0) return;
-  call->first = r->queue[0];
-  call->round = r->rounds[call->first];
-  while (call->before < count && r->rounds[r->queue[call->before]] == call->round) call->before++;
-  olx_relit_surfels_lit(r, count);
-}
-
-static void plan_tiles(olx_vulkan_relight *v, frame_plan *plan) {
-  olx_relight *r = v->relight;
-  uint32_t *words = v->tiles;
-  for (uint32_t pass = 0; pass < 2; pass++) {
-    for (uint32_t i = 0; i < r->scheduled_count; i++) {
-      if (r->lit[i] != (pass == 0)) continue;
-      const olx_relit_tile *tile = &r->tiles[r->scheduled[i]];
-      const uint32_t own[OLX_TILE_WORDS] = {tile->probe, tile->first_x, tile->first_y, tile->rounds};
-      memcpy(words, own, sizeof own);
-      words += OLX_TILE_WORDS;
-      plan->lit_tiles += pass == 0;
-    }
-  }
-  plan->tiles = r->scheduled_count;
-  olx_relit_tiles_lit(r);
-}
-
-static frame_plan plan_frame(olx_vulkan_relight *v, olx_vec3 eye) {
-  olx_relight *r = v->relight;
-  const uint64_t rays = r->settings.shadow_rays;
-  frame_plan plan = {.tiles = 0};
-  plan_surfels(r, rays / 2, &plan.surfels);
-  plan.bounces = olx_relit_take_links(r, &plan.part);
-  const uint64_t spent = (uint64_t)plan.surfels.count * olx_relit_rays(r);
-  olx_relit_schedule(r, eye, rays > spent ? rays - spent : 0);
-  plan_tiles(v, &plan);
-  plan.volume_probes = olx_relit_take_volume(r);
+static frame_plan plan_frame(const olx_vulkan_relight *v, olx_vec3 eye) {
+  frame_plan plan;
+  plan.surfels = olx_relit_take_surfels(v->schedule);
+  plan.links = olx_relit_take_links(v->schedule);
+  plan.tiles = olx_relit_take_tiles(v->schedule, eye, (uint64_t)plan.surfels.count * v->lights->rays);
+  plan.volume = olx_relit_take_volume(v->schedule);
   return plan;
+}
+
+static bool is_idle(const frame_plan *plan) {
+  return plan->surfels.count == 0 && plan->links.count == 0 && plan->tiles.count == 0 && plan->volume.count == 0;
 }
 
 // ---- Transfers from the host
@@ -113,8 +80,8 @@ static void update_state(const olx_vulkan_relight *v, VkCommandBuffer commands, 
 
 static olx_gpu_vec4 with_zero(olx_vec3 a) { return (olx_gpu_vec4){a.x, a.y, a.z, 0.0f}; }
 
-static olx_gpu_light gpu_light(const olx_relight_light *l) {
-  const bool area = l->type == OLX_RELIGHT_RECT || l->type == OLX_RELIGHT_TRIANGLE;
+static olx_gpu_light gpu_light(const olx_light *l) {
+  const bool area = l->type == OLX_LIGHT_RECT || l->type == OLX_LIGHT_TRIANGLE;
   return (olx_gpu_light){.emission = with_zero(l->emission),
                          .position = with_zero(l->position),
                          .edge_u = with_zero(area ? l->edge_u : l->direction),
@@ -127,17 +94,17 @@ static olx_gpu_light gpu_light(const olx_relight_light *l) {
 
 // Copies the lights of the relighter and those of the field.
 static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
-  const olx_relight *r = v->relight;
+  const olx_relit_lights *lights = v->lights;
   const olx_vulkan_field *gpu = v->gpu;
-  if (v->light_changes == r->light_changes) return;
-  v->light_changes = r->light_changes;
-  for (uint32_t i = 0; i < r->light_count; i++) {
-    const olx_gpu_light light = gpu_light(&r->lights[i]);
+  const uint32_t changes = olx_relit_light_changes(v->schedule);
+  if (v->light_changes == changes) return;
+  v->light_changes = changes;
+  for (uint32_t i = 0; i < lights->count; i++) {
+    const olx_gpu_light light = gpu_light(&lights->lights[i]);
     update_state(v, commands, v->constants.lights + i * OLX_LIGHT_WORDS, &light, OLX_LIGHT_WORDS);
   }
-  const uint32_t count = r->field_light_count > gpu->light_room ? 0 : r->field_light_count;
-  update(v, commands, gpu->buffer, gpu->words[OLX_WORDS_LIGHTS].offset, r->field_lights,
-         count * sizeof *r->field_lights);
+  const uint32_t count = lights->packed_count > gpu->light_room ? 0 : lights->packed_count;
+  update(v, commands, gpu->buffer, gpu->words[OLX_WORDS_LIGHTS].offset, lights->packed, count * sizeof *lights->packed);
   update(v, commands, gpu->buffer, offsetof(olx_field_constants, light_count), &count, sizeof count);
 }
 
@@ -159,9 +126,9 @@ static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_re
   next_step(v, commands);
 }
 
-static void skip_rays(const olx_relight *r, olx_gpu_relight_call *call) {
+static void skip_rays(const olx_relit_lights *lights, olx_gpu_relight_call *call) {
   for (uint32_t i = 0; i < call->rays; i++) {
-    if (++call->light_sample < olx_relit_samples(r, &r->lights[call->light])) continue;
+    if (++call->light_sample < olx_relit_samples(lights, call->light)) continue;
     call->light_sample = 0;
     call->light++;
   }
@@ -170,7 +137,7 @@ static void skip_rays(const olx_relight *r, olx_gpu_relight_call *call) {
 // Records successive dispatches, each with a few rays of every place. Without lights, one dispatch writes darkness.
 static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass,
                         olx_gpu_relight_call call) {
-  uint32_t left = olx_relit_rays(v->relight);
+  uint32_t left = v->lights->rays;
   call.flags = OLX_CALL_BEGINS;
   for (;;) {
     call.rays = left < PLACE_RAYS ? left : PLACE_RAYS;
@@ -178,7 +145,7 @@ static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, o
     if (left == 0) call.flags |= OLX_CALL_ENDS;
     record(v, commands, pass, call.count, &call);
     if (left == 0) return;
-    skip_rays(v->relight, &call);
+    skip_rays(v->lights, &call);
     call.flags = 0;
   }
 }
@@ -188,9 +155,9 @@ static void record_values(const olx_vulkan_relight *v, VkCommandBuffer commands)
   record(v, commands, OLX_RELIGHT_VALUES, surfels.count, &surfels);
 }
 
-static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_sweep_part *part) {
+static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_link_turns *turns) {
   const olx_gpu_relight_call call = {
-      .first = part->first, .count = part->count, .flags = part->shines ? OLX_CALL_SHINES : 0};
+      .first = turns->first, .count = turns->count, .flags = turns->shines ? OLX_CALL_SHINES : 0};
   const VkBufferCopy region = {state_at(v->constants.sums), (VkDeviceSize)v->result_words * WORD * v->slot,
                                (VkDeviceSize)v->result_words * WORD};
   record_values(v, commands);
@@ -198,18 +165,17 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
   v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer, v->buffers[OLX_BUFFER_RESULTS].buffer,
                                    1, &region);
   next_step(v, commands);
-  v->readings[v->slot] =
-      (olx_relight_reading){.written = true, .part = *part, .light_changes = v->relight->light_changes};
+  v->readings[v->slot] = (olx_relight_reading){.written = true, .turns = *turns};
   record_values(v, commands);
 }
 
 // ---- Copies into the field
 
 // Copies a tile, whose words begin at `first`, and the texels of the map's border that repeat it.
-static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const uint32_t *tile, uint32_t first) {
-  const olx_relight *r = v->relight;
-  const uint32_t n = r->field.n, side = r->tile_side, strips = first + side * side, corners = strips + 4 * side;
-  const int32_t x = (int32_t)tile[1], y = (int32_t)tile[2], end = (int32_t)n;
+static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const olx_relit_tile *tile, uint32_t first) {
+  const uint32_t n = v->gpu->constants.n, side = v->constants.tile_side, strips = first + side * side,
+                 corners = strips + 4 * side;
+  const int32_t x = (int32_t)tile->first_x, y = (int32_t)tile->first_y, end = (int32_t)n;
   const int32_t back_x = end - x - (int32_t)side, back_y = end - y - (int32_t)side; // where the border repeats an edge
   const bool left = x == 0, right = back_x == 0, top = y == 0, bottom = back_y == 0;
   const struct {
@@ -228,19 +194,19 @@ static void copy_tile(const olx_vulkan_relight *v, olx_map_copies *copies, const
       {bottom && right, {-1, -1, 1, 1}, corners + 3},
   };
   for (uint32_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-    if (parts[i].has) olx_map_copies_add(copies, tile[0], &parts[i].part, state_at(parts[i].at));
+    if (parts[i].has) olx_map_copies_add(copies, tile->probe, &parts[i].part, state_at(parts[i].at));
   }
 }
 
-static void copy_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
+static void copy_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_tile_turns *turns) {
   const VkBuffer state = v->buffers[OLX_BUFFER_STATE].buffer;
   const olx_gpu_relight *c = &v->constants;
   olx_map_copies direct = olx_map_copies_of(v->gpu, OLX_BINDING_DIRECT, state, commands),
                  indirect = olx_map_copies_of(v->gpu, OLX_BINDING_INDIRECT, state, commands);
   olx_map_copies_begin(v->gpu, commands);
-  for (uint32_t slot = 0; slot < plan->tiles; slot++) {
-    const uint32_t *tile = v->tiles + (size_t)OLX_TILE_WORDS * slot;
-    if (slot < plan->lit_tiles) copy_tile(v, &direct, tile, c->tile_direct + c->tile_words * slot);
+  for (uint32_t slot = 0; slot < turns->count; slot++) {
+    const olx_relit_tile *tile = &turns->tiles[slot];
+    if (slot < turns->lit) copy_tile(v, &direct, tile, c->tile_direct + c->tile_words * slot);
     copy_tile(v, &indirect, tile, c->tile_indirect + c->tile_words * slot);
   }
   olx_map_copies_record(&direct);
@@ -248,29 +214,29 @@ static void copy_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, co
   olx_map_copies_end(v->gpu, commands);
 }
 
-static void record_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
-  const uint32_t texels = v->relight->tile_side * v->relight->tile_side;
-  const olx_gpu_relight_call lit = {.count = plan->lit_tiles * texels}, told = {.count = plan->tiles * texels};
-  if (plan->tiles == 0) return;
+static void record_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_tile_turns *turns) {
+  const uint32_t texels = turns->side * turns->side;
+  const olx_gpu_relight_call lit = {.count = turns->lit * texels}, told = {.count = turns->count * texels};
+  if (turns->count == 0) return;
   if (lit.count > 0) record_rays(v, commands, OLX_RELIGHT_TEXELS, lit);
   record(v, commands, OLX_RELIGHT_TELL, told.count, &told);
-  copy_tiles(v, commands, plan);
+  copy_tiles(v, commands, turns);
 }
 
 // ---- A frame
 
 static void record_frame(olx_vulkan_relight *v, VkCommandBuffer commands, const frame_plan *plan) {
-  const olx_relight *r = v->relight;
-  const olx_gpu_relight_call probes = {.count = plan->volume_probes};
+  const olx_relit_surfel_turns *s = &plan->surfels;
+  const olx_gpu_relight_call surfels = {.first = s->first, .count = s->count, .round = s->round, .before = s->before},
+                             probes = {.first = plan->volume.first, .count = plan->volume.count};
   order(v, commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
         VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT);
   update_lights(v, commands);
-  update_state(v, commands, v->constants.tiles, v->tiles, (size_t)plan->tiles * OLX_TILE_WORDS);
-  update_state(v, commands, v->constants.probes, r->queue, plan->volume_probes);
+  update_state(v, commands, v->constants.tiles, plan->tiles.tiles, (size_t)plan->tiles.count * OLX_TILE_WORDS);
   next_step(v, commands);
-  if (plan->surfels.count > 0) record_rays(v, commands, OLX_RELIGHT_SURFELS, plan->surfels);
-  if (plan->bounces) record_bounce(v, commands, &plan->part);
-  record_tiles(v, commands, plan);
+  if (surfels.count > 0) record_rays(v, commands, OLX_RELIGHT_SURFELS, surfels);
+  if (plan->links.count > 0) record_bounce(v, commands, &plan->links);
+  record_tiles(v, commands, &plan->tiles);
   record(v, commands, OLX_RELIGHT_VOLUME, probes.count, &probes);
   order(v, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT);
@@ -278,17 +244,16 @@ static void record_frame(olx_vulkan_relight *v, VkCommandBuffer commands, const 
 
 olx_result olx_vulkan_record_relight(olx_vulkan_relight *v, VkCommandBuffer commands, olx_vec3 eye,
                                      olx_vulkan_relight_stats *stats) {
-  olx_relight *r = v->relight;
   read_results(v);
-  r->frame++;
+  olx_relit_begin_frame(v->schedule);
   const frame_plan plan = plan_frame(v, eye);
-  if (plan.surfels.count || plan.bounces || plan.tiles || plan.volume_probes) record_frame(v, commands, &plan);
+  if (!is_idle(&plan)) record_frame(v, commands, &plan);
   v->slot = (v->slot + 1) % v->settings.in_flight;
   if (!stats) return OLX_OK;
   *stats = (olx_vulkan_relight_stats){.surfels_lit = plan.surfels.count,
-                                      .surfels_gathered = plan.part.count,
-                                      .texels = (uint64_t)plan.tiles * r->tile_side * r->tile_side,
-                                      .volume_probes = plan.volume_probes,
-                                      .awake = olx_relit_awake(r)};
+                                      .surfels_gathered = plan.links.count,
+                                      .texels = (uint64_t)plan.tiles.count * plan.tiles.side * plan.tiles.side,
+                                      .volume_probes = plan.volume.count,
+                                      .awake = olx_relit_awake(v->schedule)};
   return OLX_OK;
 }

@@ -2,7 +2,7 @@
 // of the volume, and lights.
 #include "core/hooks.h"
 #include "core/result.h"
-#include "shade/relighter_parts.h"
+#include "relight/relighter.h"
 #include "vulkan/map_copies.h"
 
 static const char WHAT[] = "updates of a field on the device";
@@ -13,7 +13,9 @@ enum { MOST_IN_FLIGHT = 8, COPY_ALIGNMENT = 16, TEXEL_BYTES = 4, UPDATED_MAPS = 
 // of the volume's probes, then all lights.
 struct olx_vulkan_update {
   olx_vulkan_field *gpu;
-  const olx_relight *relight;
+  const olx_field *field;             // of the relighter
+  const olx_relit_schedule *schedule; // of the relighter
+  const uint32_t *part_frames;        // of the schedule
   olx_vulkan_update_settings settings;
   uint32_t units, parts;     // parts: units of a light field map
   uint32_t maps_end, lights; // the first unit of the volume, and the unit of lights
@@ -36,16 +38,15 @@ olx_vulkan_update_settings olx_vulkan_update_settings_default(void) {
 }
 
 static uint32_t changed_frame(const olx_vulkan_update *u, uint32_t unit) {
-  if (unit < u->maps_end) return u->relight->part_frames[unit];
-  return unit < u->lights ? u->relight->volume_frame : u->relight->light_changes;
+  if (unit < u->maps_end) return u->part_frames[unit];
+  return unit < u->lights ? olx_relit_volume_frame(u->schedule) : olx_relit_light_changes(u->schedule);
 }
 
 static bool is_border(const olx_vulkan_update *u, uint32_t unit) { return unit % u->parts == u->parts - 1; }
 
 // Returns the rectangles of which a unit of a map consists.
 static uint32_t map_parts(const olx_vulkan_update *u, uint32_t unit, olx_map_part parts[4]) {
-  const olx_relight *r = u->relight;
-  const uint32_t part = unit % u->parts, n = r->field.n, side = r->tile_side, tiles = n / side;
+  const uint32_t part = unit % u->parts, n = u->field->n, side = olx_relit_tile_side(n), tiles = n / side;
   if (!is_border(u, unit)) {
     parts[0] = (olx_map_part){(int32_t)(part % tiles * side), (int32_t)(part / tiles * side), side, side};
     return 1;
@@ -63,12 +64,12 @@ static uint32_t part_bytes(const olx_map_part *part) { return aligned(TEXEL_BYTE
 
 // Returns the number of volume probes in a unit.
 static uint32_t volume_probes(const olx_vulkan_update *u, uint32_t unit) {
-  const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->relight->field.info.volume.probe_count;
+  const uint32_t first = (unit - u->maps_end) * VOLUME_PART, all = u->field->info.volume.probe_count;
   return all - first < VOLUME_PART ? all - first : VOLUME_PART;
 }
 
 static uint32_t light_count(const olx_vulkan_update *u) {
-  const uint32_t count = u->relight->field_light_count;
+  const uint32_t count = u->field->surfaces.light_count;
   return count > u->gpu->light_room ? 0 : count;
 }
 
@@ -97,10 +98,10 @@ static olx_result check(const olx_vulkan_field *gpu, const olx_relight *relight,
 }
 
 static olx_result build(olx_vulkan_update *u) {
-  const olx_relight *r = u->relight;
-  u->parts = r->tiles_a_probe + 1;
-  u->maps_end = r->field.info.probes.count * u->parts;
-  u->lights = u->maps_end + (r->field.info.volume.probe_count + VOLUME_PART - 1) / VOLUME_PART;
+  const olx_field_info *info = &u->field->info;
+  u->parts = olx_relit_tiles_a_map(u->field->n) + 1;
+  u->maps_end = info->probes.count * u->parts;
+  u->lights = u->maps_end + (info->volume.probe_count + VOLUME_PART - 1) / VOLUME_PART;
   u->units = u->lights + 1;
   u->copied = olx_allocate_zero(u->units, sizeof *u->copied);
   if (!u->copied) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", WHAT);
@@ -123,7 +124,9 @@ olx_result olx_vulkan_update_create(olx_vulkan_field *field, const olx_relight *
   olx_vulkan_update *u = olx_allocate_zero(1, sizeof *u);
   if (!u) return olx_fail(OLX_ERROR_MEMORY, "%s: no memory for its handle", WHAT);
   u->gpu = field;
-  u->relight = relight;
+  u->field = &relight->field;
+  u->schedule = relight->schedule;
+  u->part_frames = olx_relit_part_frames(u->schedule);
   u->settings = *settings;
   const olx_result result = build(u);
   if (result == OLX_OK) *update = u;
@@ -167,7 +170,7 @@ static void copy_words(update_call *call, const void *data, uint32_t bytes, VkDe
 static void copy_lights(update_call *call) {
   const olx_vulkan_update *u = call->update;
   const uint32_t count = light_count(u);
-  copy_words(call, u->relight->field_lights, count * (uint32_t)sizeof(olx_field_light),
+  copy_words(call, u->field->surfaces.lights, count * (uint32_t)sizeof(olx_field_light),
              u->gpu->words[OLX_WORDS_LIGHTS].offset);
   copy_words(call, &count, sizeof count, offsetof(olx_field_constants, light_count));
 }
@@ -176,19 +179,20 @@ static void copy_volume(update_call *call, uint32_t unit) {
   const olx_vulkan_update *u = call->update;
   const uint32_t probe_bytes = OLX_VOLUME_HALVES * (uint32_t)sizeof(uint16_t),
                  first = (unit - u->maps_end) * VOLUME_PART;
-  copy_words(call, u->relight->volume + (size_t)first * OLX_VOLUME_HALVES, volume_probes(u, unit) * probe_bytes,
+  copy_words(call, u->field->volume.irradiance + (size_t)first * OLX_VOLUME_HALVES,
+             volume_probes(u, unit) * probe_bytes,
              u->gpu->words[OLX_WORDS_VOLUME_LIGHT].offset + (VkDeviceSize)first * probe_bytes);
 }
 
 static void copy_map(update_call *call, uint32_t unit) {
   olx_vulkan_update *u = call->update;
-  const olx_relight *r = u->relight;
+  const olx_field *f = u->field;
   olx_map_part parts[4];
   const uint32_t count = map_parts(u, unit, parts), probe = unit / u->parts;
-  const size_t first = r->field.texels * probe;
+  const size_t first = f->texels * probe;
   for (uint32_t i = 0; i < count; i++) {
-    copy_part(u, &call->direct, probe, r->direct_map + first, &parts[i]);
-    copy_part(u, &call->indirect, probe, r->indirect_map + first, &parts[i]);
+    copy_part(u, &call->direct, probe, f->surfaces.direct + first, &parts[i]);
+    copy_part(u, &call->indirect, probe, f->surfaces.indirect + first, &parts[i]);
   }
 }
 
@@ -226,14 +230,14 @@ static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
   }
   if (first_left != UINT32_MAX) u->next = first_left;
   u->scanned = first_left == UINT32_MAX;
-  u->scanned_frame = u->relight->frame;
+  u->scanned_frame = olx_relit_frames(u->schedule);
 }
 
 olx_result olx_vulkan_record_update(olx_vulkan_update *u, VkCommandBuffer commands, olx_vulkan_update_stats *stats) {
   olx_vulkan_update_stats own;
   if (!stats) stats = &own;
   *stats = (olx_vulkan_update_stats){.bytes = 0};
-  if (u->scanned && u->scanned_frame == u->relight->frame) return OLX_OK;
+  if (u->scanned && u->scanned_frame == olx_relit_frames(u->schedule)) return OLX_OK;
   update_call call = {.update = u,
                       .commands = commands,
                       .direct = olx_map_copies_of(u->gpu, OLX_BINDING_DIRECT, u->staging.buffer, commands),

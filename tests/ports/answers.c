@@ -74,7 +74,7 @@ static bool say_sampling(text *t, const olx_field *field) {
 static bool say_relighting(text *t, const olx_field *field) {
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vec3 eye = olx_field_probe_position(field, 0);
-  const olx_relight_light lamp = {.type = OLX_RELIGHT_POINT, .emission = {5, 4, 3}, .position = eye};
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .emission = {5, 4, 3}, .position = eye};
   olx_relight *relight;
   if (olx_relight_create(field, &settings, &relight) != OLX_OK) return failed("a relighter");
   bool fine = olx_relight_set_lights(relight, &lamp, 1) == OLX_OK;

@@ -2,7 +2,7 @@
 // directions, but a sunlit floor lights the wall beyond it more than the wall on the sun's side.
 #include "core/bsdf.h"
 #include "core/pack.h"
-#include "shade/relighter_parts.h"
+#include "relight/relit_surfels.h"
 
 // Surfels represent surfaces of some size, and their rays some solid angle, so their lobes are widened by this alpha.
 static const float LINK_ALPHA = 0.2f;
@@ -29,8 +29,8 @@ static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 lig
 
 // Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
 // white matte surface in its stead as bright.
-static float specular_light(const olx_relight *r, uint32_t surfel, olx_vec3 place) {
-  const olx_relight_surfel *s = &r->source->relight.surfels[surfel];
+static float specular_light(const olx_relit_surfels *r, uint32_t surfel, olx_vec3 place) {
+  const olx_relight_surfel *s = &r->data->surfels[surfel];
   const float beam = olx_length(r->beams[surfel]), rest = olx_max(olx_luminance(r->direct[surfel]) - beam, 0.0f);
   const float everywhere = share_of(s->specular) * rest;
   if (beam <= 0.0f || s->specular == 0) return everywhere;
@@ -40,8 +40,8 @@ static float specular_light(const olx_relight *r, uint32_t surfel, olx_vec3 plac
   return everywhere + beam * brightness(s, olx_scale(away, 1.0f / length), olx_scale(r->beams[surfel], 1.0f / beam));
 }
 
-olx_vec3 olx_relit_highlights(const olx_relight *r, uint32_t surfel) {
-  const olx_relight_data *d = &r->source->relight;
+olx_vec3 olx_relit_highlights(const olx_relit_surfels *r, uint32_t surfel) {
+  const olx_relight_data *d = r->data;
   const olx_vec3 place = olx_load3(d->surfels[surfel].points[0]);
   olx_vec3 sum = {0};
   for (uint32_t i = d->link_starts[surfel]; i < d->link_starts[surfel + 1]; i++) {

@@ -1,7 +1,8 @@
 // Computes the light that reaches places directly from the lights of a relighter, with shadow rays of the host or
 // through the field.
+#include "relight/relit_direct.h"
+
 #include "core/sampling.h"
-#include "shade/relighter_parts.h"
 
 // The share of its length by which a ray to a light ends early, so that it does not hit the lamp itself.
 static const float END_SHARE = 1e-3f;
@@ -17,28 +18,24 @@ typedef struct light_rays {
   uint8_t occluded[OLX_RELIT_BATCH];
 } light_rays;
 
-static float spot_falloff(const olx_relight_light *light, float cosine) {
-  if (cosine <= light->cosine_outer) return 0.0f;
-  if (cosine >= light->cosine_inner) return 1.0f;
-  return olx_square((cosine - light->cosine_outer) / (light->cosine_inner - light->cosine_outer));
-}
-
-static bool point_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_shadow_ray *ray,
+static bool point_light(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_shadow_ray *ray,
                         olx_vec3 *irradiance) {
   const olx_vec3 away = olx_sub(light->position, position);
   const float length = olx_length(away), cosine = olx_dot(away, normal) / length;
   if (!(cosine > 0.0f)) return false;
   const olx_vec3 direction = olx_scale(away, 1.0f / length);
   float strength = cosine / (length * length);
-  if (light->type == OLX_RELIGHT_SPOT) strength *= spot_falloff(light, -olx_dot(direction, light->direction));
+  if (light->type == OLX_LIGHT_SPOT) {
+    strength *= olx_spot_falloff(light->cosine_inner, light->cosine_outer, -olx_dot(direction, light->direction));
+  }
   *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
   *irradiance = olx_scale(light->emission, strength);
   return strength > 0.0f;
 }
 
-static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
-                       olx_shadow_ray *ray, olx_vec3 *irradiance) {
-  const bool half = light->type == OLX_RELIGHT_TRIANGLE;
+static bool area_light(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random, olx_shadow_ray *ray,
+                       olx_vec3 *irradiance) {
+  const bool half = light->type == OLX_LIGHT_TRIANGLE;
   if (half) random = olx_sample_triangle(random);
   const olx_vec3 target = olx_madd(olx_madd(light->position, light->edge_u, random.x), light->edge_v, random.y);
   const olx_vec3 area = olx_scale(olx_cross(light->edge_u, light->edge_v), half ? 0.5f : 1.0f);
@@ -54,19 +51,19 @@ static bool area_light(const olx_relight_light *light, olx_vec3 position, olx_ve
   return true;
 }
 
-static bool aim(const olx_relight_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random,
-                olx_shadow_ray *ray, olx_vec3 *irradiance) {
+static bool aim(const olx_light *light, olx_vec3 position, olx_vec3 normal, olx_vec2 random, olx_shadow_ray *ray,
+                olx_vec3 *irradiance) {
   switch (light->type) {
-  case OLX_RELIGHT_SUN: {
+  case OLX_LIGHT_SUN: {
     const float cosine = -olx_dot(light->direction, normal);
     *ray = (olx_shadow_ray){position, olx_negate(light->direction), INFINITY};
     *irradiance = olx_scale(light->emission, cosine);
     return cosine > 0.0f;
   }
-  case OLX_RELIGHT_POINT:
-  case OLX_RELIGHT_SPOT: return point_light(light, position, normal, ray, irradiance);
-  case OLX_RELIGHT_RECT:
-  case OLX_RELIGHT_TRIANGLE: return area_light(light, position, normal, random, ray, irradiance);
+  case OLX_LIGHT_POINT:
+  case OLX_LIGHT_SPOT: return point_light(light, position, normal, ray, irradiance);
+  case OLX_LIGHT_RECT:
+  case OLX_LIGHT_TRIANGLE: return area_light(light, position, normal, random, ray, irradiance);
   default:
     *ray = (olx_shadow_ray){position, olx_normalize(olx_from_basis(olx_sample_cosine(random), normal)), INFINITY};
     *irradiance = olx_scale(light->emission, OLX_PI);
@@ -75,19 +72,21 @@ static bool aim(const olx_relight_light *light, olx_vec3 position, olx_vec3 norm
 }
 
 // Traces shadow rays through the field. An unresolved ray counts as shadowed.
-static void trace_occlusion(const olx_relight *relight, light_rays *rays) {
+static void trace_occlusion(const olx_relit_direct *direct, light_rays *rays) {
   for (uint32_t i = 0; i < rays->count; i++) {
     const olx_shadow_ray *ray = &rays->ray[i];
     const olx_trace_hit hit =
-        olx_trace(relight->source, &relight->sample, ray->origin, ray->direction, ray->length_metres);
+        olx_trace(direct->source, &direct->sample, ray->origin, ray->direction, ray->length_metres);
     rays->occluded[i] = hit.status != OLX_TRACE_MISS;
   }
 }
 
-static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t index, uint32_t sample, light_rays *rays) {
-  const olx_relight_light *light = &relight->lights[index];
-  const bool area = olx_relit_varies(light);
-  const uint32_t samples = olx_relit_samples(relight, light);
+static void light_by(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t index, uint32_t sample,
+                     light_rays *rays) {
+  const olx_relight_settings *settings = direct->lights->settings;
+  const olx_light *light = &direct->lights->lights[index];
+  const bool area = olx_light_varies(light);
+  const uint32_t samples = olx_relit_samples(direct->lights, index);
   rays->count = 0;
   for (uint32_t i = 0; i < batch->count; i++) {
     const uint32_t k = rays->count;
@@ -98,12 +97,9 @@ static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t inde
     rays->point[rays->count++] = i;
   }
   if (rays->count == 0) return;
-  if (relight->settings.occlusion) {
-    relight->settings.occlusion(relight->settings.user, rays->ray, rays->count, rays->occluded);
-  } else {
-    trace_occlusion(relight, rays);
-  }
-  atomic_fetch_add_explicit(&relight->shadow_rays, rays->count, memory_order_relaxed);
+  if (settings->occlusion) settings->occlusion(settings->user, rays->ray, rays->count, rays->occluded);
+  else trace_occlusion(direct, rays);
+  atomic_fetch_add_explicit(&direct->shadow_rays, rays->count, memory_order_relaxed);
   for (uint32_t k = 0; k < rays->count; k++) {
     if (rays->occluded[k]) continue;
     const uint32_t i = rays->point[k];
@@ -112,17 +108,11 @@ static void light_by(olx_relight *relight, olx_relit_batch *batch, uint32_t inde
   }
 }
 
-void olx_relit_direct(olx_relight *relight, olx_relit_batch *batch) {
+void olx_relit_light(olx_relit_direct *direct, olx_relit_batch *batch) {
   light_rays rays;
   for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = batch->beam[i] = olx_splat(0.0f);
-  for (uint32_t index = 0; index < relight->light_count; index++) {
-    const uint32_t samples = olx_relit_samples(relight, &relight->lights[index]);
-    for (uint32_t sample = 0; sample < samples; sample++) light_by(relight, batch, index, sample, &rays);
+  for (uint32_t index = 0; index < direct->lights->count; index++) {
+    const uint32_t samples = olx_relit_samples(direct->lights, index);
+    for (uint32_t sample = 0; sample < samples; sample++) light_by(direct, batch, index, sample, &rays);
   }
-}
-
-uint32_t olx_relit_rays(const olx_relight *relight) {
-  uint32_t rays = 0;
-  for (uint32_t i = 0; i < relight->light_count; i++) rays += olx_relit_samples(relight, &relight->lights[i]);
-  return rays;
 }

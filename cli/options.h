@@ -16,6 +16,11 @@ enum {
 // "words", and --quiet.
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
 
+// Options of many commands, each a table with its value for settings.
+extern const option json_option[];     // bool
+extern const option progress_option[]; // bool
+extern const option threads_option[];  // uint32_t
+
 // Whether the option was given on the command line.
 bool was_given(const command_line *line, const char *name);
 

@@ -1,4 +1,4 @@
-// Prints a command's help, its manual page, and the words for shell completion from its table of options, and suggests
+// Prints a command's help, its manual page, and the words for shell completion from its tables of options, and suggests
 // corrections for misspelt words.
 #include "help.h"
 

@@ -46,13 +46,13 @@ typedef struct option_table {
 // The title of options that are only shown by --help all.
 #define RESEARCH "Research"
 
-enum { MAX_ARGUMENTS = 2, MOST_TABLES = 12, MOST_OPTIONS = 96 };
+enum { MAX_ARGUMENTS = 2, MOST_TABLES = 11, MOST_OPTIONS = 96 };
 
 typedef struct command_line {
   const char *name, *summary, *example; // example: a typical command line; may be NULL
   const char *arguments[MAX_ARGUMENTS]; // names of positional arguments; NULL: none. Brackets mark optional ones
   const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when omitted
-  option_table tables[MOST_TABLES];     // ended by a table of zeros; MOST_OPTIONS rows at most in all
+  option_table tables[MOST_TABLES + 1]; // ended by a table of zeros; MOST_OPTIONS rows at most in all
   const option *named[MOST_OPTIONS];    // filled by parsing: the options that were given, each once
   size_t named_count;
 } command_line;

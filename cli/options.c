@@ -1,4 +1,4 @@
-// Parses the arguments of a command by its table of options, and reports errors by the same table.
+// Parses the arguments of a command by its tables of options, and reports errors by the same tables.
 #include "options.h"
 
 #include "help.h"

@@ -1,4 +1,4 @@
-// Parses the arguments of a command by its table of options, and reports errors.
+// Parses the arguments of a command by its tables of options, and reports errors.
 #ifndef OCTALUX_CLI_OPTIONS_H
 #define OCTALUX_CLI_OPTIONS_H
 

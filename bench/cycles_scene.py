@@ -10,6 +10,7 @@ parameters:
 - the specular lobe is Cycles' GGX with the same alpha, F0 and F90. Cycles uses the separable Smith term and the
   Fresnel equations where Octalux has the height-correlated term and Schlick's formula, which gives as much on the
   whole: glossy light agrees to some percent only;
+- textures of specular weights (KHR_materials_specular) are left out;
 - alpha masks, one-sided emission, base colours clamped to 0.95 and bilinear texture look-ups are the same.
 """
 import json

@@ -243,32 +243,34 @@ static bool ready_folder(const char *path, const char *file) {
   return check_output(BENCH_PROGRAM, name, true);
 }
 
+static const option options[] = {
+    {"--quick", OPTION_FLAG, offsetof(bench_options, quick), NULL, "built-in scenes alone, small and rough"},
+    {"--report", OPTION_TEXT, offsetof(bench_options, report), "FOLDER",
+     "write index.html there: tables, plots, and pictures to compare"},
+    {"--images", OPTION_TEXT, offsetof(bench_options, images), "FOLDER",
+     "write the pictures that are compared there, as .png"},
+    {"--scenes", OPTION_TEXT, offsetof(bench_options, folder), "FOLDER",
+     "where descriptions of scenes are; default scenes"},
+    {"--only", OPTION_TEXT, offsetof(bench_options, only), "NAME,...", "surfaces, wang...: these scenes alone"},
+    {"--size", OPTION_SIZE, offsetof(bench_options, size), "320x240", "of all pictures; default: each experiment's own",
+     16, OLX_PICTURE_SIZE_MOST},
+    {"--spp", OPTION_COUNT, offsetof(bench_options, spp), "N",
+     "of each of two references, path traced; default: each experiment's own", 1, OLX_PICTURE_SPP_MOST},
+    {"--texels", OPTION_POWER_OF_TWO, offsetof(bench_options, texels), "N",
+     "wang...: along a map of light; default: the experiment's own", 16, 1024},
+    {"--field-spp", OPTION_COUNT, offsetof(bench_options, field_spp), "N",
+     "wang...: of each of two pictures from a field", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
+    {"--rounds", OPTION_COUNT, offsetof(bench_options, rounds), "N", "wang...: in which each row is timed once", 1,
+     1000},
+    {"--probes", OPTION_TEXT, offsetof(bench_options, sets), "4x2x4,A.json,B.json@1024",
+     "wang-probes: only these sets, against the first"},
+    {"--short", OPTION_FLAG, offsetof(bench_options, brief), NULL, "wang: without the series of sets in appendix A"},
+    {"--threads", OPTION_COUNT, offsetof(bench_options, threads), "N",
+     "default 0: every processor; times are of one all the same", 0, 4096},
+    {0}};
+
 int run_experiments(int argc, char **argv) {
   bench_options o = {.folder = "scenes"};
-  const option options[] = {
-      {"--quick", OPTION_FLAG, &o.quick, NULL, "built-in scenes alone, small and rough", 0, 0},
-      {"--report", OPTION_TEXT, &o.report, "FOLDER", "write index.html there: tables, plots, and pictures to compare",
-       0, 0},
-      {"--images", OPTION_TEXT, &o.images, "FOLDER", "write the pictures that are compared there, as .png", 0, 0},
-      {"--scenes", OPTION_TEXT, &o.folder, "FOLDER", "where descriptions of scenes are; default scenes", 0, 0},
-      {"--only", OPTION_TEXT, &o.only, "NAME,...", "surfaces, wang...: these scenes alone", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "320x240", "of all pictures; default: each experiment's own", 16,
-       OLX_PICTURE_SIZE_MOST},
-      {"--spp", OPTION_COUNT, &o.spp, "N", "of each of two references, path traced; default: each experiment's own", 1,
-       OLX_PICTURE_SPP_MOST},
-      {"--texels", OPTION_POWER_OF_TWO, &o.texels, "N", "wang...: along a map of light; default: the experiment's own",
-       16, 1024},
-      {"--field-spp", OPTION_COUNT, &o.field_spp, "N", "wang...: of each of two pictures from a field", 1,
-       OLX_PICTURE_LOBE_SAMPLES_MOST},
-      {"--rounds", OPTION_COUNT, &o.rounds, "N", "wang...: in which each row is timed once", 1, 1000},
-      {"--probes", OPTION_TEXT, &o.sets, "4x2x4,A.json,B.json@1024", "wang-probes: only these sets, against the first",
-       0, 0},
-      {"--short", OPTION_FLAG, &o.brief, NULL, "wang: without the series of sets in appendix A", 0, 0},
-      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; times are of one all the same", 0,
-       4096},
-      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
-  };
   char *summary = NULL;
   size_t size_bytes;
   FILE *out = open_memstream(&summary, &size_bytes);
@@ -278,8 +280,7 @@ int run_experiments(int argc, char **argv) {
   command_line line = {.name = BENCH_PROGRAM,
                        .summary = summary,
                        .arguments = {"EXPERIMENT"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{options, &o}, {progress_option, &o.progress}, {json_option, &o.json}}};
   int code;
   const bool go_on = parse_options(&line, argc, argv, &code);
   free(summary);

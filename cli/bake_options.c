@@ -1,10 +1,70 @@
 // Reads the baking options that `bake` and `bench` share, and turns them into settings, with defaults from the scene.
 #include "bake_options.h"
 
+#include <octalux/limits.h>
 #include <octalux/place.h>
 
 #include <stdio.h>
 #include <stdlib.h>
+
+const option bake_basic_options[] = {
+    {"--probes", OPTION_TEXT, offsetof(bake_options, probes), "FILE.json",
+     "light field probes where `octalux place` put them"},
+    {"--grid", OPTION_GRID, offsetof(bake_options, settings.grid.count), "4x4x4",
+     "light field probes along x, y, z; default: the scene's", 1, 1024},
+    {"--radiance-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.radiance_size), "N",
+     "texels along a map of light; default 512", OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
+    {"--relight", OPTION_FLAG, offsetof(bake_options, settings.relight), NULL,
+     "also what it takes to change lights later"},
+    {0}};
+
+const option bake_quality_options[] = {
+    {"--noise", OPTION_REAL, offsetof(bake_options, settings.noise), "SHARE",
+     "standard error of indirect light at most; default 0.02"},
+    {"--samples", OPTION_COUNT, offsetof(bake_options, settings.samples), "N",
+     "samples along a texel's side; default 2", OLX_SAMPLES_LEAST, OLX_SAMPLES_MOST},
+    {"--light-samples", OPTION_COUNT, offsetof(bake_options, settings.light_samples), "N",
+     "shadow rays a sample and area light; default 1", OLX_LIGHT_SAMPLES_LEAST, OLX_LIGHT_SAMPLES_MOST},
+    {"--bounces", OPTION_COUNT, offsetof(bake_options, settings.bounces), "N",
+     "bounces after direct light, while they bring some; default 32", 0, OLX_BOUNCES_MOST},
+    {"--volume-cells", OPTION_COUNT, offsetof(bake_options, settings.volume_cells), "N",
+     "smallest cells of the irradiance volume along the space, at most; 0: no volume; default 32", 0,
+     OLX_VOLUME_CELLS_MOST},
+    {"--uncompressed", OPTION_FLAG, offsetof(bake_options, settings.uncompressed), NULL,
+     "geometry, light and material as texels, not as 4 x 4 blocks"},
+    {"--seed", OPTION_COUNT, offsetof(bake_options, settings.seed), "N",
+     "another one draws other random numbers; default 0", 0, UINT32_MAX},
+    {0}};
+
+const option bake_research_options[] = {
+    {"--light", OPTION_CHOICE, offsetof(bake_options, settings.light), "cache|reference",
+     "indirect light on what probes see: solved once in the world, or paths from each texel, slow; default cache"},
+    {"--reference-paths", OPTION_COUNT, offsetof(bake_options, settings.reference_paths), "N",
+     "paths a texel for --light reference; default 64", OLX_REFERENCE_PATHS_LEAST, OLX_REFERENCE_PATHS_MOST},
+    {"--select", OPTION_CHOICES, offsetof(bake_options, settings.select_mask), "cage|voronoi|octree|bricks",
+     "how probes are found, several with commas; default cage for a grid; bricks always"},
+    {"--probe-light", OPTION_FLAG, offsetof(bake_options, settings.probe_light), NULL,
+     "also radiance as probes saw it and irradiance probes, for --hits stored, --diffuse irradiance"},
+    {"--irradiance-grid", OPTION_GRID, offsetof(bake_options, settings.irradiance_grid.count), "4x4x4",
+     "irradiance probes (implies --probe-light); default: as --grid, or half its spacing", 1, 1024},
+    {"--irradiance-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.irradiance_size), "N",
+     "texels along a map of irradiance; default 128", OLX_IRRADIANCE_SIZE_LEAST, OLX_IRRADIANCE_SIZE_MOST},
+    {"--irradiance", OPTION_CHOICE, offsetof(bake_options, settings.irradiance_form), "octahedral|sh2|sh3",
+     "irradiance as maps, or as spherical harmonics of 2nd or 3rd order; default octahedral"},
+    {"--bounce-gather", OPTION_CHOICE, offsetof(bake_options, settings.bounce_gather), "solved|irradiance|traced",
+     "light of irradiance probes: solved for the scene, or bounces by their maps or rays; default solved"},
+    {"--no-fit", OPTION_FLAG_OFF, offsetof(bake_options, settings.fit), NULL,
+     "keep irradiance exact at probes, unfitted to surfaces"},
+    {"--classic", OPTION_FLAG, offsetof(bake_options, settings.classic), NULL,
+     "also maps for `render --method classic`"},
+    {"--classic-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.classic_size), "N",
+     "texels along these; default 128", OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST},
+    {"--cube-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.classic_cube_size), "N",
+     "texels along a face of their cube maps; default 256", OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST},
+    {"--sharpness", OPTION_COUNT, offsetof(bake_options, settings.classic_sharpness), "N",
+     "exponent of the filter from these; default: a texel wide", OLX_CLASSIC_SHARPNESS_LEAST,
+     OLX_CLASSIC_SHARPNESS_MOST},
+    {0}};
 
 double grid_probe_count(const olx_grid *grid) {
   return (double)grid->count[0] * (double)grid->count[1] * (double)grid->count[2];

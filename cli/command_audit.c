@@ -114,42 +114,45 @@ static int audit_scene(const audit_options *o) {
   return code;
 }
 
+static const option audit_basic_options[] = {
+    {"--field", OPTION_TEXT, offsetof(audit_options, field), "FILE.olx", "the field to judge", 1},
+    {"--rays", OPTION_COUNT, offsetof(audit_options, settings.rays), "N", "rays to trace and cast; default 200000", 0,
+     UINT32_MAX},
+    {"--points", OPTION_COUNT, offsetof(audit_options, settings.points), "N", "points to light; default 2000", 0,
+     UINT32_MAX},
+    {"--space", OPTION_COUNT, offsetof(audit_options, settings.space_points), "N",
+     "places of free space to light, six normals each: the volume and irradiance probes; default 0", 0, 1u << 26},
+    {"--spp", OPTION_COUNT, offsetof(audit_options, settings.spp), "N",
+     "paths a point for its true light; default 1024", 1, OLX_PICTURE_SPP_MOST},
+    {"--camera", OPTION_TEXT, offsetof(audit_options, settings.camera), "NAME",
+     "judge what this camera sees; default: all of them"},
+    {"--seed", OPTION_COUNT, offsetof(audit_options, settings.seed), "N",
+     "another choice of rays and points; default 0", 0, UINT32_MAX},
+    {0}};
+
+static const option audit_research_options[] = {
+    {"--max-probes", OPTION_COUNT, offsetof(audit_options, settings.sample.max_probes), "N",
+     "probes a ray may ask; default 16", 1, 65536},
+    {0},
+};
+
 int command_audit(int argc, char **argv) {
   audit_options o = {.settings = olx_audit_settings_default()};
-  sample_options sample = SAMPLE_OPTIONS_DEFAULT;
-  uint32_t max_probes = olx_sample_settings_default().max_probes;
-  const option options[] = {
-      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field to judge", 1, 0},
-      {"--rays", OPTION_COUNT, &o.settings.rays, "N", "rays to trace and cast; default 200000", 0, UINT32_MAX},
-      {"--points", OPTION_COUNT, &o.settings.points, "N", "points to light; default 2000", 0, UINT32_MAX},
-      {"--space", OPTION_COUNT, &o.settings.space_points, "N",
-       "places of free space to light, six normals each: the volume and irradiance probes; default 0", 0, 1u << 26},
-      {"--spp", OPTION_COUNT, &o.settings.spp, "N", "paths a point for its true light; default 1024", 1,
-       OLX_PICTURE_SPP_MOST},
-      {"--camera", OPTION_TEXT, &o.settings.camera, "NAME", "judge what this camera sees; default: all of them", 0, 0},
-      {"--seed", OPTION_COUNT, &o.settings.seed, "N", "another choice of rays and points; default 0", 0, UINT32_MAX},
-      {"--threads", OPTION_COUNT, &o.settings.threads, "N", "default 0: every processor; the result is the same", 0,
-       4096},
-      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
-      GROUP_ROW("Models"),
-      SCENE_OPTION_ROWS(o.loading),
-      RESEARCH_ROW,
-      SAMPLE_OPTION_ROWS(sample),
-      {"--max-probes", OPTION_COUNT, &max_probes, "N", "probes a ray may ask; default 16", 1, 65536},
-  };
   command_line line = {.name = "audit",
                        .summary = "Judge a field without a picture: rays through it against ray casting, its diffuse\n"
                                   "light against path tracing: all of it, where light is stored, where it is not, and\n"
                                   "what irradiance probes alone would give; and light in free space.",
                        .example = "octalux audit room.gltf --field room.olx --space 500",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{audit_basic_options, &o},
+                                  {threads_option, &o.settings.threads},
+                                  {progress_option, &o.progress},
+                                  {json_option, &o.json},
+                                  {scene_loading_options, &o.loading, "Models"},
+                                  {sample_options, &o.settings.sample, RESEARCH},
+                                  {audit_research_options, &o}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   o.scene = line.given[0];
-  o.settings.sample = resolve_sample_options(&sample);
-  o.settings.sample.max_probes = max_probes;
   return audit_scene(&o);
 }

@@ -124,9 +124,19 @@ static void print_plan(const char *path, const olx_bake_sizes *sizes, double sec
   printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
 }
 
+typedef struct bake_command {
+  bake_options given;
+  work_options work;
+  scene_options loading;
+  const char *output;
+  uint32_t progress; // 1: shown even when nobody watches; 2: a line of JSON for each unit
+  bool dry_run, json;
+  work_line units;
+} bake_command;
+
 // Prints sizes and time of a bake without running it. The exit code and the last line report a bake that does not fit.
-static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path, bool force_progress,
-                     bool json) {
+static int plan_bake(const olx_scene *scene, const bake_command *c, const char *path) {
+  const olx_bake_settings *settings = &c->given.settings;
   olx_bake_sizes sizes;
   const olx_result fits = olx_bake_measure(scene, settings, path, &sizes);
   if (fits != OLX_OK && !sizes.probes) return library_failure("bake");
@@ -134,14 +144,14 @@ static int plan_bake(const olx_scene *scene, const olx_bake_settings *settings, 
   if (fits != OLX_OK) snprintf(why, sizeof why, "%s", olx_last_error());
   progress_line line;
   double seconds;
-  progress_begin(&line, "bake", force_progress);
+  progress_begin(&line, "bake", c->progress == 1);
   const olx_progress progress = progress_of(&line);
   const olx_result result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");
   if (result != OLX_OK) return library_failure("bake");
   int code = EXIT_DONE;
-  if (json) code = print_plan_json(&sizes, seconds, fits == OLX_OK);
+  if (c->json) code = print_plan_json(&sizes, seconds, fits == OLX_OK);
   else print_plan(path, &sizes, seconds);
   return fits == OLX_OK ? code : failure("bake", "%s", why);
 }
@@ -178,35 +188,28 @@ static int print_part(const olx_bake_work *work, const work_line *units, bool js
   return print_json("bake", object);
 }
 
-// How a bake is run and reported.
-typedef struct bake_manner {
-  bool progress, json;
-  const work_line *units;
-} bake_manner;
-
-static int bake_scene(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
-                      const bake_manner *manner) {
+static int bake_scene(const olx_scene *scene, const bake_command *c, const char *path) {
+  const olx_bake_settings *settings = &c->given.settings;
   progress_line line;
-  progress_begin(&line, "bake", manner->progress);
-  if (manner->units->json) line.shown = false; // lines for units replace the progress line
+  progress_begin(&line, "bake", c->progress == 1);
+  if (c->units.json) line.shown = false; // lines for units replace the progress line
   if (line.shown) announce_work(scene, settings, path);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
   const olx_result result = olx_bake(scene, settings, path, &progress, &stats);
   progress_end(&line);
   if (result != OLX_OK) return report_failure(result, settings, path);
-  if (settings->work.parts) return print_part(&settings->work, manner->units, manner->json);
-  if (manner->json) return print_bake_json(settings, &stats);
+  if (settings->work.parts) return print_part(&settings->work, &c->units, c->json);
+  if (c->json) return print_bake_json(settings, &stats);
   print_bake(path, settings, &stats);
   return EXIT_DONE;
 }
 
-static int check_given(const command_line *line, const bake_options *given, const work_options *work,
-                       const char *output, bool dry_run) {
-  const olx_bake_settings *s = &given->settings;
+static int check_given(const command_line *line, const bake_command *c) {
+  const olx_bake_settings *s = &c->given.settings;
   const bool shapes_classic =
       was_given(line, "--classic-size") || was_given(line, "--cube-size") || was_given(line, "--sharpness");
-  if (!output && (!work->part || dry_run)) {
+  if (!c->output && (!c->work.part || c->dry_run)) {
     return usage_error("bake", "-o FILE.olx is missing (see octalux bake --help)");
   }
   if (!s->classic && shapes_classic) {
@@ -218,73 +221,73 @@ static int check_given(const command_line *line, const bake_options *given, cons
   if (s->relight && s->light == OLX_LIGHT_REFERENCE) {
     return usage_error("bake", "--relight needs the light of the scene, not --light reference");
   }
-  if (given->probes && was_given(line, "--grid")) {
+  if (c->given.probes && was_given(line, "--grid")) {
     return usage_error("bake", "--grid and --probes exclude each other");
   }
   return EXIT_DONE;
 }
 
 // Runs or estimates the bake that the options describe.
-static int run_bake(const olx_scene *scene, olx_bake_settings *settings, const work_options *work, const char *output,
-                    bool dry_run, bool progress, work_line *units, bool json) {
-  const int code = resolve_work_options(scene, work, output, settings, units);
-  const bake_manner manner = {progress, json, units};
-  const char *path = output ? output : settings->work.folder;
+static int run_bake(const olx_scene *scene, bake_command *c) {
+  const int code = resolve_work_options(scene, &c->work, c->output, &c->given.settings, &c->units);
+  const char *path = c->output ? c->output : c->given.settings.work.folder;
   if (code != EXIT_DONE) return code;
-  return dry_run ? plan_bake(scene, settings, path, progress, json) : bake_scene(scene, settings, path, &manner);
+  return c->dry_run ? plan_bake(scene, c, path) : bake_scene(scene, c, path);
 }
 
+static const option output_option[] = {
+    {"-o", OPTION_TEXT, 0, "FILE.olx", "the field to write; a part writes none"},
+    {0},
+};
+
+static const option run_options[] = {
+    {"--dry-run", OPTION_FLAG, offsetof(bake_command, dry_run), NULL,
+     "bake nothing: say how large, how much memory, about how long"},
+    {"--progress", OPTION_FLAG_WORD, offsetof(bake_command, progress), "json",
+     "tell progress even when nobody watches; json: a line a unit"},
+    {0},
+};
+
+static const option instructions_option[] = {
+    {"--isa", OPTION_CHOICE, 0, "best|sse2|sse4.2|avx|avx2|avx512",
+     "instructions that Embree uses, for the same bytes on unlike machines; default best"},
+    {0}};
+
+static const option measure_option[] = {
+    {"--measure-embree", OPTION_FLAG, 0, NULL, "also time Embree alone on the rays from probes"}, {0}};
+
 int command_bake(int argc, char **argv) {
-  bake_options given = bake_options_begin();
-  work_options work = {0};
-  work_line units = {0};
-  const char *output = NULL;
-  scene_options loading = {0};
-  uint32_t progress = 0;
-  bool dry_run = false, json = false;
-  const option options[] = {
-      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write; a part writes none", 0, 0},
-      BAKE_BASIC_ROWS(given),
-      {"--dry-run", OPTION_FLAG, &dry_run, NULL, "bake nothing: say how large, how much memory, about how long", 0, 0},
-      {"--progress", OPTION_FLAG_WORD, &progress, "json", "tell progress even when nobody watches; json: a line a unit",
-       0, 0},
-      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
-      GROUP_ROW("Quality"),
-      BAKE_QUALITY_ROWS(given),
-      GROUP_ROW("Bakes that resume, and farms"),
-      WORK_OPTION_ROWS(work),
-      {"--isa", OPTION_CHOICE, &loading.instructions, "best|sse2|sse4.2|avx|avx2|avx512",
-       "instructions that Embree uses, for the same bytes on unlike machines; default best", 0, 0},
-      GROUP_ROW("Models"),
-      SCENE_OPTION_ROWS(loading),
-      RESEARCH_ROW,
-      BAKE_RESEARCH_ROWS(given),
-      {"--measure-embree", OPTION_FLAG, &given.settings.measure_embree, NULL,
-       "also time Embree alone on the rays from probes", 0, 0},
-  };
+  bake_command c = {.given = bake_options_begin()};
   command_line line = {.name = "bake",
                        .summary = "Bake a scene's light into a field: what its probes see, and their irradiance.",
                        .example = "octalux bake room.gltf --probes probes.json -o room.olx",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{output_option, &c.output},
+                                  {bake_basic_options, &c.given},
+                                  {threads_option, &c.given.settings.threads},
+                                  {run_options, &c},
+                                  {json_option, &c.json},
+                                  {bake_quality_options, &c.given, "Quality"},
+                                  {work_folder_options, &c.work, "Bakes that resume, and farms"},
+                                  {instructions_option, &c.loading.instructions},
+                                  {scene_loading_options, &c.loading, "Models"},
+                                  {bake_research_options, &c.given, RESEARCH},
+                                  {measure_option, &c.given.settings.measure_embree}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  code = check_given(&line, &given, &work, output, dry_run);
+  code = check_given(&line, &c);
   if (code != EXIT_DONE) return code;
-  const command_files files = {.inputs = {line.given[0], given.probes}, .outputs = {{output, false}}};
-  code = check_files("bake", &files, json);
+  const command_files files = {.inputs = {line.given[0], c.given.probes}, .outputs = {{c.output, false}}};
+  code = check_files("bake", &files, c.json);
   if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
-  code = load_scene("bake", line.given[0], &loading, &scene);
+  code = load_scene("bake", line.given[0], &c.loading, &scene);
   if (code != EXIT_DONE) return code;
-  units.json = progress == 2;
+  c.units.json = c.progress == 2;
   code = check_scene_files("bake", &files, scene);
-  if (code == EXIT_DONE && resolve_bake_options(scene, &line, &given) != OLX_OK) code = library_failure("bake");
-  if (code == EXIT_DONE) {
-    code = run_bake(scene, &given.settings, &work, output, dry_run, progress == 1, &units, json);
-  }
-  release_bake_settings(&given.settings);
+  if (code == EXIT_DONE && resolve_bake_options(scene, &line, &c.given) != OLX_OK) code = library_failure("bake");
+  if (code == EXIT_DONE) code = run_bake(scene, &c);
+  release_bake_settings(&c.given.settings);
   olx_scene_free(scene);
   return code;
 }

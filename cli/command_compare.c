@@ -150,21 +150,25 @@ static int check_name(const char *name, const char *path, const char *ending) {
   return usage_error("compare", "%s: '%s' does not end in %s", name, path, ending);
 }
 
+static const option compare_options[] = {
+    {"--layer", OPTION_CHOICE, offsetof(comparison, layer), LAYERS,
+     "this layer alone; default: every layer of light both have"},
+    {"--exposure", OPTION_REAL, offsetof(comparison, perceptual.exposure), "X",
+     "multiply light before the tone map, for SSIM and FLIP; default 1"},
+    {"--pixels-per-degree", OPTION_REAL, offsetof(comparison, perceptual.pixels_per_degree), "X",
+     "of the eye that FLIP stands for, at most 1000; default 67"},
+    {"--heatmap", OPTION_TEXT, offsetof(comparison, heatmap), "FILE.png",
+     "draw where the layer (default beauty) differs"},
+    {"--flip-map", OPTION_TEXT, offsetof(comparison, flip_map), "FILE.png", "draw FLIP of the layer (default beauty)"},
+    {"--report", OPTION_TEXT, offsetof(comparison, report), "FILE.html",
+     "a page to look at: slider, maps, plots, numbers"},
+    {"--threads", OPTION_COUNT, offsetof(comparison, perceptual.threads), "N",
+     "default 0: every processor; the numbers are the same", 0, 4096},
+    {0},
+};
+
 int command_compare(int argc, char **argv) {
   comparison c = {.layer = OLX_LAYER_COUNT, .perceptual = olx_perceptual_settings_default()};
-  const option options[] = {
-      {"--layer", OPTION_CHOICE, &c.layer, LAYERS, "this layer alone; default: every layer of light both have", 0, 0},
-      {"--exposure", OPTION_REAL, &c.perceptual.exposure, "X",
-       "multiply light before the tone map, for SSIM and FLIP; default 1", 0, 0},
-      {"--pixels-per-degree", OPTION_REAL, &c.perceptual.pixels_per_degree, "X",
-       "of the eye that FLIP stands for, at most 1000; default 67", 0, 0},
-      {"--heatmap", OPTION_TEXT, &c.heatmap, "FILE.png", "draw where the layer (default beauty) differs", 0, 0},
-      {"--flip-map", OPTION_TEXT, &c.flip_map, "FILE.png", "draw FLIP of the layer (default beauty)", 0, 0},
-      {"--report", OPTION_TEXT, &c.report, "FILE.html", "a page to look at: slider, maps, plots, numbers", 0, 0},
-      {"--threads", OPTION_COUNT, &c.perceptual.threads, "N", "default 0: every processor; the numbers are the same", 0,
-       4096},
-      {"--json", OPTION_FLAG, &c.json, NULL, "print one JSON object", 0, 0},
-  };
   command_line line = {.name = "compare",
                        .summary =
                            "Errors of a picture against a reference: relative MSE is sum (a-b)^2 / sum b^2, bias\n"
@@ -172,8 +176,7 @@ int command_compare(int argc, char **argv) {
                            "as `render` writes them to .png.",
                        .example = "octalux compare room.exr reference.exr --report differences.html",
                        .arguments = {"IMAGE.exr", "REFERENCE.exr"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{compare_options, &c}, {json_option, &c.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   if (c.perceptual.pixels_per_degree > 1000.0f) {

@@ -26,14 +26,21 @@ static int open_export(const char *command, const char *input, const char *outpu
   return olx_field_open(input, field) == OLX_OK ? EXIT_DONE : library_failure(command);
 }
 
-static int report_map(const char *output, const olx_map_picture *picture, uint32_t width, uint32_t height, bool json) {
+typedef struct map_export {
+  const char *output;
+  olx_map_picture picture;
+  bool json;
+} map_export;
+
+static int report_map(const map_export *e, uint32_t width, uint32_t height) {
+  const olx_map_picture *picture = &e->picture;
   const char *map = olx_map_name(picture->map), *projection = olx_map_projection_name(picture->projection);
-  if (!json) {
-    printf("%s: %s of probe %u, %ux%u pixels, %s\n", output, map, picture->probe, width, height, projection);
+  if (!e->json) {
+    printf("%s: %s of probe %u, %ux%u pixels, %s\n", e->output, map, picture->probe, width, height, projection);
     return EXIT_DONE;
   }
   cJSON *object = cJSON_CreateObject();
-  add_text(object, "output", output);
+  add_text(object, "output", e->output);
   add_text(object, "map", map);
   add_text(object, "projection", projection);
   add_number(object, "probe", picture->probe);
@@ -42,39 +49,36 @@ static int report_map(const char *output, const olx_map_picture *picture, uint32
   return print_json("export exr", object);
 }
 
+static const option map_options[] = {
+    {"-o", OPTION_TEXT, offsetof(map_export, output), "FILE.exr", "the picture to write", 1},
+    {"--map", OPTION_CHOICE, offsetof(map_export, picture.map), MAPS,
+     "what to show; from irradiance on of irradiance probes, the last of the volume's"},
+    {"--probe", OPTION_COUNT, offsetof(map_export, picture.probe), "N",
+     "counted from 0, of the map's kind of probes; default 0", 0, UINT32_MAX - 1},
+    {"--projection", OPTION_CHOICE, offsetof(map_export, picture.projection), "octahedral|latlong|cube",
+     "default octahedral: as it is stored"},
+    {"--size", OPTION_COUNT, offsetof(map_export, picture.size), "N",
+     "height of latlong, side of a cube's face; default: the map's, half of it", 1, 2048},
+    {0}};
+
 static int export_exr(int argc, char **argv) {
-  bool json = false;
-  const char *output = NULL;
-  uint32_t map = UINT32_MAX, projection = OLX_PROJECTION_OCTAHEDRAL;
-  olx_map_picture picture = {0};
-  const option options[] = {{"-o", OPTION_TEXT, &output, "FILE.exr", "the picture to write", 1, 0},
-                            {"--map", OPTION_CHOICE, &map, MAPS,
-                             "what to show; from irradiance on of irradiance probes, the last of the volume's", 0, 0},
-                            {"--probe", OPTION_COUNT, &picture.probe, "N",
-                             "counted from 0, of the map's kind of probes; default 0", 0, UINT32_MAX - 1},
-                            {"--projection", OPTION_CHOICE, &projection, "octahedral|latlong|cube",
-                             "default octahedral: as it is stored", 0, 0},
-                            {"--size", OPTION_COUNT, &picture.size, "N",
-                             "height of latlong, side of a cube's face; default: the map's, half of it", 1, 2048},
-                            {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
+  map_export e = {.picture = {.projection = OLX_PROJECTION_OCTAHEDRAL}};
   command_line line = {.name = "export exr",
                        .summary = "Write a map of a probe as a picture of 32-bit floats.",
                        .example = "octalux export exr room.olx --map distance --probe 3 -o distance.exr",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{map_options, &e}, {json_option, &e.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (map == UINT32_MAX) return usage_error(line.name, "--map NAME is missing (see octalux export exr --help)");
-  picture.map = (olx_map)map;
-  picture.projection = (olx_map_projection)projection;
+  if (!was_given(&line, "--map"))
+    return usage_error(line.name, "--map NAME is missing (see octalux export exr --help)");
   olx_field *field = NULL;
-  code = open_export(line.name, line.given[0], output, ".exr", false, json, &field);
+  code = open_export(line.name, line.given[0], e.output, ".exr", false, e.json, &field);
   if (code != EXIT_DONE) return code;
   uint32_t width, height;
-  const olx_result result = olx_export_map(field, &picture, output, &width, &height);
+  const olx_result result = olx_export_map(field, &e.picture, e.output, &width, &height);
   olx_field_close(field);
-  return result == OLX_OK ? report_map(output, &picture, width, height, json) : library_failure(line.name);
+  return result == OLX_OK ? report_map(&e, width, height) : library_failure(line.name);
 }
 
 static int report_gltf(const command_files *files, const olx_gltf_counts *counts, bool json) {
@@ -99,17 +103,16 @@ static int report_gltf(const command_files *files, const olx_gltf_counts *counts
   return print_json("export gltf", object);
 }
 
+static const option model_option[] = {{"-o", OPTION_TEXT, 0, "FILE.gltf", "the model to write", 1}, {0}};
+
 static int export_gltf(int argc, char **argv) {
   bool json = false;
   const char *output = NULL;
-  const option options[] = {{"-o", OPTION_TEXT, &output, "FILE.gltf", "the model to write", 1, 0},
-                            {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "export gltf",
                        .summary = "Write probes, irradiance volume and bricks as a model to look at, over the scene.",
                        .example = "octalux export gltf room.olx -o probes.glb",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{model_option, &output}, {json_option, &json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   olx_field *field = NULL;

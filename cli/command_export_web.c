@@ -134,19 +134,18 @@ static int report_folder(const web_export *e) {
   return print_json(COMMAND, object);
 }
 
+static const option web_options[] = {
+    {"--field", OPTION_TEXT, offsetof(web_export, field), "FILE.olx", "the field that gives indirect light", 1},
+    {"-o", OPTION_TEXT, offsetof(web_export, folder), "DIR", "the folder to write, made where it is missing", 1},
+    {0}};
+
 int command_export_web(int argc, char **argv) {
   web_export e = {0};
-  const option options[] = {
-      {"--field", OPTION_TEXT, &e.field, "FILE.olx", "the field that gives indirect light", 1, 0},
-      {"-o", OPTION_TEXT, &e.folder, "DIR", "the folder to write, made where it is missing", 1, 0},
-      SCENE_OPTION_ROWS(e.loading),
-      {"--json", OPTION_FLAG, &e.json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = COMMAND,
                        .summary = "Write a page to walk through a baked scene in a browser, for any static server.",
                        .example = "octalux export web room.gltf --field room.olx -o page",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{web_options, &e}, {scene_loading_options, &e.loading}, {json_option, &e.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   e.scene = line.given[0];

@@ -209,13 +209,11 @@ static olx_result describe(const char *path, description *d) {
 
 int command_info(int argc, char **argv) {
   bool json = false;
-  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "info",
                        .summary = "What is in a field: probes, sizes, where its bytes go, how it was baked.",
                        .example = "octalux info room.olx",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{json_option, &json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   if (olx_is_packed_field(line.given[0])) return print_packed(line.given[0], json);
@@ -248,13 +246,11 @@ static olx_result verify(const char *path, uint64_t *bytes) {
 
 int command_verify(int argc, char **argv) {
   bool json = false;
-  const option options[] = {{"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "verify",
                        .summary = "Read every byte of a field: structure, checksums, and values that cannot be.",
                        .example = "octalux verify room.olx",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{json_option, &json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   uint64_t bytes = 0;

@@ -7,6 +7,11 @@
 
 #include <stdio.h>
 
+typedef struct joining {
+  const char *output;
+  bool keep, progress, json;
+} joining;
+
 static int print_join(const char *path, const olx_bake_stats *stats, bool json) {
   if (!json) {
     printf("%s: %s, joined in %.2f s\n", path, text_of_bytes(stats->file_bytes).text,
@@ -20,36 +25,33 @@ static int print_join(const char *path, const olx_bake_stats *stats, bool json) 
   return print_json("join", object);
 }
 
-static int join(const char *folder, const char *path, bool keep, bool force_progress, bool json) {
+static int join(const char *folder, const joining *o) {
   progress_line line;
-  progress_begin(&line, "join", force_progress);
+  progress_begin(&line, "join", o->progress);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
-  const olx_result result = olx_bake_join(folder, path, keep, &progress, &stats);
+  const olx_result result = olx_bake_join(folder, o->output, o->keep, &progress, &stats);
   progress_end(&line);
-  if (result == OLX_ERROR_CANCELLED) return failure("join", "%s: interrupted, nothing written", path);
-  if (result == OLX_OK) return print_join(path, &stats, json);
+  if (result == OLX_ERROR_CANCELLED) return failure("join", "%s: interrupted, nothing written", o->output);
+  if (result == OLX_OK) return print_join(o->output, &stats, o->json);
   const int code = library_failure("join");
   return result == OLX_ERROR_INCOMPLETE ? EXIT_AGAIN : code;
 }
 
+static const option join_options[] = {
+    {"-o", OPTION_TEXT, offsetof(joining, output), "FILE.olx", "the field to write", 1},
+    {"--keep-work", OPTION_FLAG, offsetof(joining, keep), NULL, "leave the work folder when the field is written"},
+    {0}};
+
 int command_join(int argc, char **argv) {
-  const char *output = NULL;
-  bool keep = false, progress = false, json = false;
-  const option options[] = {
-      {"-o", OPTION_TEXT, &output, "FILE.olx", "the field to write", 1, 0},
-      {"--keep-work", OPTION_FLAG, &keep, NULL, "leave the work folder when the field is written", 0, 0},
-      {"--progress", OPTION_FLAG, &progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
-  };
+  joining o = {0};
   command_line line = {.name = "join",
                        .summary = "Check and join what all parts of a bake (bake --work DIR --part I/N) made.",
                        .example = "octalux join room.work -o room.olx",
                        .arguments = {"DIR"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{join_options, &o}, {progress_option, &o.progress}, {json_option, &o.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (!check_output("join", output, false)) return EXIT_FAILED;
-  return join(line.given[0], output, keep, progress, json);
+  if (!check_output("join", o.output, false)) return EXIT_FAILED;
+  return join(line.given[0], &o);
 }

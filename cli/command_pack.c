@@ -17,6 +17,9 @@ typedef struct packing {
   const char *name, *from, *to; // name of the command, and the endings of its files
   const char *input, *output;
   char named[PATH_MAX]; // buffer for the derived name
+  olx_pack_settings pack;
+  olx_unpack_settings unpack;
+  uint32_t most_mb; // 0: the default
   bool json;
 } packing;
 
@@ -63,22 +66,21 @@ static int end_packing(const packing *p, progress_line *line, olx_result result,
   return result == OLX_OK ? report_packing(p, info) : library_failure(p->name);
 }
 
+static const option pack_options[] = {
+    {"-o", OPTION_TEXT, offsetof(packing, output), "FILE.olxz", "the packed field; default: beside the field"},
+    {"--level", OPTION_COUNT, offsetof(packing, pack.level), "N", "of zstd: 1 is fast, 22 small; default 19", 1, 22},
+    {"--threads", OPTION_COUNT, offsetof(packing, pack.threads), "N",
+     "default 0: every processor; the result is the same", 0, 1024},
+    {0}};
+
 int command_pack(int argc, char **argv) {
-  packing p = {.name = "pack", .from = ".olx", .to = ".olxz"};
-  olx_pack_settings settings = olx_pack_settings_default();
-  const option options[] = {
-      {"-o", OPTION_TEXT, &p.output, "FILE.olxz", "the packed field; default: beside the field", 0, 0},
-      {"--level", OPTION_COUNT, &settings.level, "N", "of zstd: 1 is fast, 22 small; default 19", 1, 22},
-      {"--threads", OPTION_COUNT, &settings.threads, "N", "default 0: every processor; the result is the same", 0,
-       1024},
-      {"--json", OPTION_FLAG, &p.json, NULL, "print one JSON object", 0, 0}};
+  packing p = {.name = "pack", .from = ".olx", .to = ".olxz", .pack = olx_pack_settings_default()};
   command_line line = {.name = "pack",
                        .summary =
                            "Store a field smaller, for shipping. `octalux unpack` makes the same bytes of it again.",
                        .example = "octalux pack room.olx",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{pack_options, &p}, {json_option, &p.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   p.input = line.given[0];
@@ -88,34 +90,32 @@ int command_pack(int argc, char **argv) {
   progress_line shown;
   progress_begin(&shown, p.name, false);
   const olx_progress progress = progress_of(&shown);
-  return end_packing(&p, &shown, olx_field_pack(p.input, &settings, p.output, &progress, &info), &info);
+  return end_packing(&p, &shown, olx_field_pack(p.input, &p.pack, p.output, &progress, &info), &info);
 }
 
+static const option unpack_options[] = {
+    {"-o", OPTION_TEXT, offsetof(packing, output), "FILE.olx", "the field; default: beside the packed one"},
+    {"--most", OPTION_COUNT, offsetof(packing, most_mb), "MB",
+     "refuse a field larger than this, in 10^6 bytes; default 34359", 1, UINT32_MAX},
+    {"--threads", OPTION_COUNT, offsetof(packing, unpack.threads), "N", "default 0: every processor", 0, 1024},
+    {0}};
+
 int command_unpack(int argc, char **argv) {
-  packing p = {.name = "unpack", .from = ".olxz", .to = ".olx"};
-  olx_unpack_settings settings = olx_unpack_settings_default();
-  uint32_t most_mb = 0;
-  const option options[] = {
-      {"-o", OPTION_TEXT, &p.output, "FILE.olx", "the field; default: beside the packed one", 0, 0},
-      {"--most", OPTION_COUNT, &most_mb, "MB", "refuse a field larger than this, in 10^6 bytes; default 34359", 1,
-       UINT32_MAX},
-      {"--threads", OPTION_COUNT, &settings.threads, "N", "default 0: every processor", 0, 1024},
-      {"--json", OPTION_FLAG, &p.json, NULL, "print one JSON object", 0, 0}};
+  packing p = {.name = "unpack", .from = ".olxz", .to = ".olx", .unpack = olx_unpack_settings_default()};
   command_line line = {.name = "unpack",
                        .summary = "Make a field of a packed one again, to the last byte.",
                        .example = "octalux unpack room.olxz",
                        .arguments = {"PACKED"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{unpack_options, &p}, {json_option, &p.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   p.input = line.given[0];
   code = check_packing(&p);
   if (code != EXIT_DONE) return code;
-  if (most_mb) settings.most_bytes = (uint64_t)most_mb * MILLION;
+  if (p.most_mb) p.unpack.most_bytes = (uint64_t)p.most_mb * MILLION;
   olx_packed_info info;
   progress_line shown;
   progress_begin(&shown, p.name, false);
   const olx_progress progress = progress_of(&shown);
-  return end_packing(&p, &shown, olx_field_unpack(p.input, &settings, p.output, &progress, &info), &info);
+  return end_packing(&p, &shown, olx_field_unpack(p.input, &p.unpack, p.output, &progress, &info), &info);
 }

@@ -12,36 +12,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-// The options of the command; 0 means not given.
 typedef struct place_options {
-  uint32_t method, count, views, resolution, surfels, candidates, voxels, refinements, seed, threads, grid[3];
-  uint32_t optimize, reward, rounds;
-  float coverage, budget_mb, min_cosine, max_footprint, voxel_size;
+  olx_place_settings settings; // the defaults, replaced where options were given; its grid has counts alone
+  place_picture picture;
+  scene_options loading;
+  const char *output;
+  bool json;
 } place_options;
-
-static olx_result resolve_place_options(const olx_scene *scene, const place_options *given, olx_place_settings *s) {
-  *s = olx_place_settings_default(scene);
-  // The words of the option are in the order of the library's enumeration.
-  s->method = (olx_place_method)given->method;
-  s->optimize = (olx_place_optimizer)given->optimize;
-  s->reward = (olx_place_reward)given->reward;
-  s->count = given->count;
-  s->coverage = given->coverage;
-  s->budget_mb = (double)given->budget_mb;
-  s->seed = given->seed;
-  s->threads = given->threads;
-  if (given->views) s->views = given->views;
-  if (given->resolution) s->resolution = given->resolution;
-  if (given->min_cosine > 0.0f) s->min_cosine = given->min_cosine;
-  if (given->max_footprint > 0.0f) s->max_footprint = given->max_footprint;
-  if (given->rounds) s->rounds = given->rounds;
-  if (given->surfels) s->surfels = given->surfels;
-  if (given->candidates) s->candidates = given->candidates;
-  if (given->voxels) s->voxels = given->voxels;
-  s->voxel_size = given->voxel_size;
-  if (given->refinements != UINT32_MAX) s->refinements = given->refinements;
-  return given->grid[0] ? olx_scene_probe_grid(scene, given->grid, &s->grid) : OLX_OK;
-}
 
 static int print_place_json(const olx_probe_set *set) {
   const olx_place_report *report = &set->report;
@@ -126,106 +103,117 @@ static void print_place(const char *path, const olx_probe_set *set) {
   printf("  seconds    %.2f\n", report->seconds);
 }
 
-static int write_place(const olx_scene *scene, const olx_probe_set *set, const place_picture *picture,
-                       const command_files *files, bool json) {
-  const char *path = files->outputs[0].path;
-  if (olx_probe_set_save(set, path) != OLX_OK) return library_failure("place");
-  if (picture->path && draw_place_picture(scene, set, picture) != OLX_OK) return library_failure("place");
-  if (json) return print_place_json(set);
+static int write_place(const place_options *o, const olx_scene *scene, const olx_probe_set *set,
+                       const command_files *files) {
+  if (olx_probe_set_save(set, o->output) != OLX_OK) return library_failure("place");
+  if (o->picture.path && draw_place_picture(scene, set, &o->picture) != OLX_OK) return library_failure("place");
+  if (o->json) return print_place_json(set);
   print_beside_outputs(files);
-  print_place(path, set);
+  print_place(o->output, set);
   return EXIT_DONE;
 }
 
-static int place_probes(const olx_scene *scene, const place_options *given, const place_picture *picture,
-                        const command_files *files, bool json) {
-  const char *path = files->outputs[0].path;
+static int place_probes(place_options *o, const olx_scene *scene, const command_files *files) {
   const int code = check_scene_files("place", files, scene);
   if (code != EXIT_DONE) return code;
-  olx_place_settings settings;
-  if (resolve_place_options(scene, given, &settings) != OLX_OK) return library_failure("place");
-  if (picture->path && find_picture_camera(scene, picture) != OLX_OK) return library_failure("place");
-  settings.marks = picture->path != NULL;
+  const olx_grid given = o->settings.grid;
+  if (olx_scene_probe_grid(scene, given.count[0] ? given.count : NULL, &o->settings.grid) != OLX_OK)
+    return library_failure("place");
+  if (o->picture.path && find_picture_camera(scene, &o->picture) != OLX_OK) return library_failure("place");
+  o->settings.marks = o->picture.path != NULL;
   progress_line line;
   progress_begin(&line, "place", false);
   const olx_progress progress = progress_of(&line);
   olx_probe_set set;
-  const olx_result result = olx_place(scene, &settings, &progress, &set);
+  const olx_result result = olx_place(scene, &o->settings, &progress, &set);
   progress_end(&line);
-  if (result == OLX_ERROR_CANCELLED) return failure("place", "%s: interrupted, nothing written", path);
+  if (result == OLX_ERROR_CANCELLED) return failure("place", "%s: interrupted, nothing written", o->output);
   if (result != OLX_OK) return library_failure("place");
-  const int printed = write_place(scene, &set, picture, files, json);
+  const int printed = write_place(o, scene, &set, files);
   olx_probe_set_free(&set);
   return printed;
 }
 
+static const option place_basic_options[] = {
+    {"-o", OPTION_TEXT, offsetof(place_options, output), "FILE.json", "the probes to write", 1},
+    {"--count", OPTION_COUNT, offsetof(place_options, settings.count), "N", "so many probes (grid: --grid)", 1,
+     OLX_PLACE_PROBES_MOST},
+    {"--budget", OPTION_DOUBLE, offsetof(place_options, settings.budget_mb), "MB",
+     "as many as fit, in 10^6 bytes at --resolution"},
+    {"--resolution", OPTION_POWER_OF_TWO, offsetof(place_options, settings.resolution), "N",
+     "texels along a map of light; default 512", OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
+    {"--picture", OPTION_TEXT, offsetof(place_options, picture.path), "FILE.png",
+     "draw skeleton, probes and what is not covered"},
+    {"--camera", OPTION_TEXT, offsetof(place_options, picture.camera), "NAME",
+     "--picture: seen from there; default: the first"},
+    {"--size", OPTION_SIZE, offsetof(place_options, picture.size), "1280x720", "--picture: pixels; default 1280x720", 1,
+     OLX_PICTURE_SIZE_MOST},
+    {0}};
+
+static const option place_quality_options[] = {
+    {"--coverage", OPTION_REAL, offsetof(place_options, settings.coverage), "SHARE",
+     "cover: of what can be covered; default 0.999"},
+    {"--views", OPTION_COUNT, offsetof(place_options, settings.views), "N",
+     "cover: probes that see each surface; default 1", OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST},
+    {"--max-footprint", OPTION_REAL, offsetof(place_options, settings.max_footprint), "SHARE",
+     "larger texels on a surface do not count, in diagonals of the scene; default 0.05"},
+    {"--min-cosine", OPTION_REAL, offsetof(place_options, settings.min_cosine), "C",
+     "flatter views do not count; default 0.02"},
+    {"--voxel-size", OPTION_REAL, offsetof(place_options, settings.voxel_size), "METRES",
+     "of space longer than 160 of them, in tiles; default 0.25"},
+    {"--voxels", OPTION_COUNT, offsetof(place_options, settings.voxels), "N",
+     "along the longest side of space, in one tile", OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
+    {"--seed", OPTION_COUNT, offsetof(place_options, settings.seed), "N", "of all random choices; default 0", 0,
+     UINT32_MAX},
+    {0}};
+
+static const option place_research_options[] = {
+    {"--method", OPTION_CHOICE, offsetof(place_options, settings.method), "grid|sdf|medial|cover",
+     "default cover: where they see most"},
+    {"--grid", OPTION_GRID, offsetof(place_options, settings.grid.count), "4x4x4",
+     "grid: probes along x, y, z; default: the scene's", 1, 1024},
+    {"--surfels", OPTION_COUNT, offsetof(place_options, settings.surfels), "N",
+     "cover: samples of surfaces; default 14000", OLX_PLACE_SURFELS_LEAST, OLX_PLACE_SURFELS_MOST},
+    {"--candidates", OPTION_COUNT, offsetof(place_options, settings.candidates), "N",
+     "cover: positions tried; default 2000", OLX_PLACE_CANDIDATES_LEAST, OLX_PLACE_CANDIDATES_MOST},
+    {"--refinements", OPTION_COUNT, offsetof(place_options, settings.refinements), "N",
+     "cover: rounds of moves and swaps; default 8", 0, OLX_PLACE_REFINEMENTS_MOST},
+    {"--optimize", OPTION_CHOICE, offsetof(place_options, settings.optimize), "none|gradient|gibbs",
+     "move the probes; default none"},
+    {"--reward", OPTION_CHOICE, offsetof(place_options, settings.reward), "best|sum",
+     "what --optimize raises; default best"},
+    {"--rounds", OPTION_COUNT, offsetof(place_options, settings.rounds), "N", "--optimize: at most so many; default 50",
+     OLX_PLACE_ROUNDS_LEAST, OLX_PLACE_ROUNDS_MOST},
+    {0}};
+
 int command_place(int argc, char **argv) {
-  place_options given = {.method = OLX_PLACE_COVER, .refinements = UINT32_MAX};
-  place_picture picture = {0};
-  const char *output = NULL;
-  bool json = false;
-  scene_options loading = {0};
-  const option options[] = {
-      {"-o", OPTION_TEXT, &output, "FILE.json", "the probes to write", 1, 0},
-      {"--count", OPTION_COUNT, &given.count, "N", "so many probes (grid: --grid)", 1, OLX_PLACE_PROBES_MOST},
-      {"--budget", OPTION_REAL, &given.budget_mb, "MB", "as many as fit, in 10^6 bytes at --resolution", 0, 0},
-      {"--resolution", OPTION_POWER_OF_TWO, &given.resolution, "N", "texels along a map of light; default 512",
-       OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
-      {"--picture", OPTION_TEXT, &picture.path, "FILE.png", "draw skeleton, probes and what is not covered", 0, 0},
-      {"--camera", OPTION_TEXT, &picture.camera, "NAME", "--picture: seen from there; default: the first", 0, 0},
-      {"--size", OPTION_SIZE, picture.size, "1280x720", "--picture: pixels; default 1280x720", 1,
-       OLX_PICTURE_SIZE_MOST},
-      {"--threads", OPTION_COUNT, &given.threads, "N", "default 0: every processor; the result is the same", 0, 4096},
-      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0},
-      GROUP_ROW("Quality"),
-      {"--coverage", OPTION_REAL, &given.coverage, "SHARE", "cover: of what can be covered; default 0.999", 0, 0},
-      {"--views", OPTION_COUNT, &given.views, "N", "cover: probes that see each surface; default 1",
-       OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST},
-      {"--max-footprint", OPTION_REAL, &given.max_footprint, "SHARE",
-       "larger texels on a surface do not count, in diagonals of the scene; default 0.05", 0, 0},
-      {"--min-cosine", OPTION_REAL, &given.min_cosine, "C", "flatter views do not count; default 0.02", 0, 0},
-      {"--voxel-size", OPTION_REAL, &given.voxel_size, "METRES",
-       "of space longer than 160 of them, in tiles; default 0.25", 0, 0},
-      {"--voxels", OPTION_COUNT, &given.voxels, "N", "along the longest side of space, in one tile",
-       OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
-      {"--seed", OPTION_COUNT, &given.seed, "N", "of all random choices; default 0", 0, UINT32_MAX},
-      GROUP_ROW("Models"),
-      SCENE_OPTION_ROWS(loading),
-      RESEARCH_ROW,
-      {"--method", OPTION_CHOICE, &given.method, "grid|sdf|medial|cover", "default cover: where they see most", 0, 0},
-      {"--grid", OPTION_GRID, given.grid, "4x4x4", "grid: probes along x, y, z; default: the scene's", 1, 1024},
-      {"--surfels", OPTION_COUNT, &given.surfels, "N", "cover: samples of surfaces; default 14000",
-       OLX_PLACE_SURFELS_LEAST, OLX_PLACE_SURFELS_MOST},
-      {"--candidates", OPTION_COUNT, &given.candidates, "N", "cover: positions tried; default 2000",
-       OLX_PLACE_CANDIDATES_LEAST, OLX_PLACE_CANDIDATES_MOST},
-      {"--refinements", OPTION_COUNT, &given.refinements, "N", "cover: rounds of moves and swaps; default 8", 0,
-       OLX_PLACE_REFINEMENTS_MOST},
-      {"--optimize", OPTION_CHOICE, &given.optimize, "none|gradient|gibbs", "move the probes; default none", 0, 0},
-      {"--reward", OPTION_CHOICE, &given.reward, "best|sum", "what --optimize raises; default best", 0, 0},
-      {"--rounds", OPTION_COUNT, &given.rounds, "N", "--optimize: at most so many; default 50", OLX_PLACE_ROUNDS_LEAST,
-       OLX_PLACE_ROUNDS_MOST},
-  };
+  place_options o = {.settings = olx_place_settings_default(NULL)};
   command_line line = {.name = "place",
                        .summary = "Find positions for probes from which a scene's surfaces are seen.",
                        .example = "octalux place room.gltf -o probes.json --picture probes.png",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{place_basic_options, &o},
+                                  {threads_option, &o.settings.threads},
+                                  {json_option, &o.json},
+                                  {place_quality_options, &o, "Quality"},
+                                  {scene_loading_options, &o.loading, "Models"},
+                                  {place_research_options, &o, RESEARCH}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
-  if (picture.path && !is_output_named(picture.path, ".png")) {
-    return usage_error("place", "--picture: '%s' does not end in .png", picture.path);
+  const place_picture *picture = &o.picture;
+  if (picture->path && !is_output_named(picture->path, ".png")) {
+    return usage_error("place", "--picture: '%s' does not end in .png", picture->path);
   }
-  if (!picture.path && (picture.camera || picture.size[0])) {
+  if (!picture->path && (picture->camera || picture->size[0])) {
     return usage_error("place", "--camera and --size go with --picture");
   }
-  const command_files files = {.inputs = {line.given[0]}, .outputs = {{output, true}, {picture.path, true}}};
-  code = check_files("place", &files, json);
+  const command_files files = {.inputs = {line.given[0]}, .outputs = {{o.output, true}, {picture->path, true}}};
+  code = check_files("place", &files, o.json);
   if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
-  code = load_scene("place", line.given[0], &loading, &scene);
+  code = load_scene("place", line.given[0], &o.loading, &scene);
   if (code != EXIT_DONE) return code;
-  code = place_probes(scene, &given, &picture, &files, json);
+  code = place_probes(&o, scene, &files);
   olx_scene_free(scene);
   return code;
 }

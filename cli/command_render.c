@@ -25,7 +25,7 @@ typedef struct render_options {
   const char *scene, *output, *png, *field, *camera, *from_camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
   uint32_t mode, gather_samples, frames, cut, denoise, emitters, relight;
-  sample_options sample;
+  olx_sample_settings sample;
   scene_options loading;
   float exposure, dim_lobe;
   bool standard_error, show_probes, centered, validate, progress, json;
@@ -76,7 +76,7 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   settings.dim_lobe = o->dim_lobe;
   settings.denoise = denoise_settings(o->denoise);
   settings.threads = o->threads;
-  settings.sample = resolve_sample_options(&o->sample);
+  settings.sample = o->sample;
   settings.sample.emitters = o->emitters != 0;
   return settings;
 }
@@ -325,67 +325,90 @@ static int render_scene(const render_options *o, const command_files *files) {
   return code;
 }
 
+static const option render_basic_options[] = {
+    {"-o", OPTION_TEXT, offsetof(render_options, output), "FILE", ".exr: every layer, linear; .png, or -: tone-mapped",
+     1},
+    {"--png", OPTION_TEXT, offsetof(render_options, png), "FILE.png", "beside an .exr, the same picture tone-mapped"},
+    {"--field", OPTION_TEXT, offsetof(render_options, field), "FILE.olx", "the field that gives indirect light"},
+    {"--camera", OPTION_TEXT, offsetof(render_options, camera), "NAME", "a camera of the scene; default: the first"},
+    {"--size", OPTION_SIZE, offsetof(render_options, size), "1280x720", "pixels; default 1280x720", 1,
+     OLX_PICTURE_SIZE_MOST},
+    {"--spp", OPTION_COUNT, offsetof(render_options, spp), "N",
+     "camera samples a pixel; default 64 for path, 4 for field", 1, OLX_PICTURE_SPP_MOST},
+    {"--exposure", OPTION_REAL, offsetof(render_options, exposure), "X",
+     "multiply light before the tone map of a .png; default 1"},
+    {"--show-probes", OPTION_FLAG, offsetof(render_options, show_probes), NULL, "draw the field's probes into a .png"},
+    {"--device", OPTION_CHOICE, offsetof(render_options, device), "cpu|vulkan",
+     "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu"},
+    {"--threads", OPTION_COUNT, offsetof(render_options, threads), "N",
+     "default 0: every processor; the image is the same", 0, 4096},
+    {0}};
+
+static const option render_quality_options[] = {
+    {"--method", OPTION_CHOICE, offsetof(render_options, method), "field|path|classic",
+     "classic: from the maps of bake --classic; default: field with --field, else path"},
+    {"--mode", OPTION_CHOICE, offsetof(render_options, mode), "gather|denoised|prefiltered",
+     "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered"},
+    {"--diffuse", OPTION_CHOICE, offsetof(render_options, diffuse), "surface|irradiance|traced",
+     "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface"},
+    {"--glossy-samples", OPTION_COUNT, offsetof(render_options, glossy_samples), "N",
+     "field: glossy rays a sample; default 4", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
+    {"--diffuse-samples", OPTION_COUNT, offsetof(render_options, diffuse_samples), "N",
+     "field: rays a sample when traced; default 64", 1, 4096},
+    {"--gather-samples", OPTION_COUNT, offsetof(render_options, gather_samples), "N",
+     "gather: rays a lobe and pixel; default 64", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
+    {"--bounces", OPTION_BOUNCES, offsetof(render_options, bounces), "N|inf",
+     "path: indirect bounces; default: as --field gives, else inf", 0, 1024},
+    {"--standard-error", OPTION_FLAG, offsetof(render_options, standard_error), NULL,
+     "also a layer with beauty's standard error"},
+    {"--seed", OPTION_COUNT, offsetof(render_options, seed), "N", "another one gives other noise; default 0", 0,
+     UINT32_MAX},
+    {0}};
+
+static const option render_frame_options[] = {
+    {"--frames", OPTION_COUNT, offsetof(render_options, frames), "N",
+     "denoised, prefiltered: make N frames as in real time, keep the last; denoised: 64", 1, 100000},
+    {"--denoise", OPTION_CHOICE, offsetof(render_options, denoise), "none|published|adaptive",
+     "how frames are filtered; default adaptive"},
+    {"--from-camera", OPTION_TEXT, offsetof(render_options, from_camera), "NAME",
+     "frames: begin here and glide to --camera"},
+    {"--cut", OPTION_COUNT, offsetof(render_options, cut), "N", "frames: no glide, but a cut before the last N", 1,
+     100000},
+    {"--relight", OPTION_COUNT, offsetof(render_options, relight), "N",
+     "field of bake --relight: follow SCENE's lights for N frames first, fewer when all is settled", 1, 100000},
+    {0}};
+
+static const option render_research_options[] = {
+    {"--centered", OPTION_FLAG, offsetof(render_options, centered), NULL, "all samples through the pixel's centre"},
+    {"--emitters", OPTION_CHOICE, offsetof(render_options, emitters), "sampled|traced",
+     "lamps with an area: sampled by direct light, or found by rays; default sampled"},
+    {"--dim-lobe", OPTION_REAL, offsetof(render_options, dim_lobe), "F",
+     "do not trace rough lobes that reflect less than this share"},
+    {0}};
+
+static const option validate_option[] = {
+    {"--validate", OPTION_FLAG, 0, NULL, "vulkan: check every call with the validation layers"}, {0}};
+
 int command_render(int argc, char **argv) {
   render_options o = {.method = NOT_GIVEN,
                       .bounces = NOT_GIVEN,
                       .diffuse = NOT_GIVEN,
                       .mode = NOT_GIVEN,
                       .denoise = 2,
-                      .sample = SAMPLE_OPTIONS_DEFAULT};
-  const option options[] = {
-      {"-o", OPTION_TEXT, &o.output, "FILE", ".exr: every layer, linear; .png, or -: tone-mapped", 1, 0},
-      {"--png", OPTION_TEXT, &o.png, "FILE.png", "beside an .exr, the same picture tone-mapped", 0, 0},
-      {"--field", OPTION_TEXT, &o.field, "FILE.olx", "the field that gives indirect light", 0, 0},
-      {"--camera", OPTION_TEXT, &o.camera, "NAME", "a camera of the scene; default: the first", 0, 0},
-      {"--size", OPTION_SIZE, o.size, "1280x720", "pixels; default 1280x720", 1, OLX_PICTURE_SIZE_MOST},
-      {"--spp", OPTION_COUNT, &o.spp, "N", "camera samples a pixel; default 64 for path, 4 for field", 1, OLX_PICTURE_SPP_MOST},
-      {"--exposure", OPTION_REAL, &o.exposure, "X", "multiply light before the tone map of a .png; default 1", 0, 0},
-      {"--show-probes", OPTION_FLAG, &o.show_probes, NULL, "draw the field's probes into a .png", 0, 0},
-      {"--device", OPTION_CHOICE, &o.device, "cpu|vulkan",
-       "where to compute indirect light; vulkan: camera samples through pixel centres; default cpu", 0, 0},
-      {"--threads", OPTION_COUNT, &o.threads, "N", "default 0: every processor; the image is the same", 0, 4096},
-      {"--progress", OPTION_FLAG, &o.progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &o.json, NULL, "print one JSON object", 0, 0},
-      GROUP_ROW("Quality"),
-      {"--method", OPTION_CHOICE, &o.method, "field|path|classic",
-       "classic: from the maps of bake --classic; default: field with --field, else path", 0, 0},
-      {"--mode", OPTION_CHOICE, &o.mode, "gather|denoised|prefiltered",
-       "field: gather by rays; one ray a lobe, denoised; or irradiance and glossy rays; default prefiltered", 0, 0},
-      {"--diffuse", OPTION_CHOICE, &o.diffuse, "surface|irradiance|traced",
-       "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface", 0, 0},
-      {"--glossy-samples", OPTION_COUNT, &o.glossy_samples, "N", "field: glossy rays a sample; default 4", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
-      {"--diffuse-samples", OPTION_COUNT, &o.diffuse_samples, "N", "field: rays a sample when traced; default 64", 1,
-       4096},
-      {"--gather-samples", OPTION_COUNT, &o.gather_samples, "N", "gather: rays a lobe and pixel; default 64", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
-      {"--bounces", OPTION_BOUNCES, &o.bounces, "N|inf", "path: indirect bounces; default: as --field gives, else inf",
-       0, 1024},
-      {"--standard-error", OPTION_FLAG, &o.standard_error, NULL, "also a layer with beauty's standard error", 0, 0},
-      {"--seed", OPTION_COUNT, &o.seed, "N", "another one gives other noise; default 0", 0, UINT32_MAX},
-      GROUP_ROW("Frames as in real time"),
-      {"--frames", OPTION_COUNT, &o.frames, "N",
-       "denoised, prefiltered: make N frames as in real time, keep the last; denoised: 64", 1, 100000},
-      {"--denoise", OPTION_CHOICE, &o.denoise, "none|published|adaptive", "how frames are filtered; default adaptive",
-       0, 0},
-      {"--from-camera", OPTION_TEXT, &o.from_camera, "NAME", "frames: begin here and glide to --camera", 0, 0},
-      {"--cut", OPTION_COUNT, &o.cut, "N", "frames: no glide, but a cut before the last N", 1, 100000},
-      {"--relight", OPTION_COUNT, &o.relight, "N",
-       "field of bake --relight: follow SCENE's lights for N frames first, fewer when all is settled", 1, 100000},
-      GROUP_ROW("Models"),
-      SCENE_OPTION_ROWS(o.loading),
-      RESEARCH_ROW,
-      {"--centered", OPTION_FLAG, &o.centered, NULL, "all samples through the pixel's centre", 0, 0},
-      {"--emitters", OPTION_CHOICE, &o.emitters, "sampled|traced",
-       "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
-      {"--dim-lobe", OPTION_REAL, &o.dim_lobe, "F", "do not trace rough lobes that reflect less than this share", 0, 0},
-      SAMPLE_OPTION_ROWS(o.sample),
-      {"--validate", OPTION_FLAG, &o.validate, NULL, "vulkan: check every call with the validation layers", 0, 0},
-  };
+                      .sample = olx_sample_settings_default()};
   command_line line = {.name = "render",
                        .summary = "Render a picture of a scene, its indirect light from a field or path traced.",
                        .example = "octalux render room.gltf --field room.olx -o room.exr --png room.png",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{render_basic_options, &o},
+                                  {progress_option, &o.progress},
+                                  {json_option, &o.json},
+                                  {render_quality_options, &o, "Quality"},
+                                  {render_frame_options, &o, "Frames as in real time"},
+                                  {scene_loading_options, &o.loading, "Models"},
+                                  {render_research_options, &o, RESEARCH},
+                                  {sample_options, &o.sample},
+                                  {validate_option, &o.validate}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   o.scene = line.given[0];

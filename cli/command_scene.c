@@ -92,20 +92,18 @@ static int cook_scene(const olx_scene *scene, const command_files *files, uint64
   return result == OLX_OK ? EXIT_DONE : library_failure("scene");
 }
 
+static const option cook_option[] = {
+    {"--cook", OPTION_TEXT, 0, "FILE.olxs", "write all of it into one file that loads by itself"}, {0}};
+
 int command_scene(int argc, char **argv) {
   bool json = false;
   const char *cooked = NULL;
   scene_options loading = {0};
-  const option options[] = {
-      {"--cook", OPTION_TEXT, &cooked, "FILE.olxs", "write all of it into one file that loads by itself", 0, 0},
-      SCENE_OPTION_ROWS(loading),
-      {"--json", OPTION_FLAG, &json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = "scene",
                        .summary = "What is in a scene: triangles, materials, lights, cameras, bounds, import warnings.",
                        .example = "octalux scene room.gltf",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{cook_option, &cooked}, {scene_loading_options, &loading}, {json_option, &json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   olx_scene *scene = NULL;

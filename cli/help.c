@@ -1,4 +1,4 @@
-// Prints a command's help, its manual page, and the words for shell completion from its table of options, and suggests
+// Prints a command's help, its manual page, and the words for shell completion from its tables of options, and suggests
 // corrections for misspelt words.
 #include "help.h"
 
@@ -34,9 +34,8 @@ static void print_left_and_right(const char *left, const char *right) {
 static void print_synopsis(const command_line *line) {
   printf("%s", line->name);
   for (int i = 0; i < MAX_ARGUMENTS && line->arguments[i]; ++i) printf(" %s", line->arguments[i]);
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    if (o->kind == OPTION_TEXT && o->min == 1) printf(" %s %s", o->name, o->form);
+  for (option_place at = {line->tables, NULL}; next_option(&at);) {
+    if (must_be_given(at.row)) printf(" %s %s", at.row->name, at.row->form);
   }
   printf(" [options]");
 }
@@ -45,18 +44,17 @@ static void print_synopsis(const command_line *line) {
 static uint32_t print_options(const command_line *line, bool all) {
   bool shown = true;
   uint32_t left_out = 0;
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    if (o->kind == OPTION_GROUP) {
-      shown = all || !o->min;
-      if (shown) printf("\n%s:\n", o->help);
-    } else if (shown) {
-      char left[160];
-      write_left(o, left, sizeof left);
-      print_left_and_right(left, o->help);
-    } else {
+  for (option_place at = {line->tables, NULL}; next_option(&at);) {
+    const char *title = title_at(&at);
+    if (title) shown = all || strcmp(title, RESEARCH) != 0;
+    if (!shown) {
       left_out++;
+      continue;
     }
+    if (title) printf("\n%s:\n", title);
+    char left[160];
+    write_left(at.row, left, sizeof left);
+    print_left_and_right(left, at.row->help);
   }
   return left_out;
 }
@@ -105,18 +103,14 @@ static void print_manual(const command_line *line) {
   printf("\n.SH SYNOPSIS\n%s", prefix);
   print_synopsis(line);
   printf("\n.SH OPTIONS\n");
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    if (o->kind == OPTION_GROUP) {
-      printf(".SS %s\n", o->help);
-      continue;
-    }
+  for (option_place at = {line->tables, NULL}; next_option(&at);) {
     char left[160];
-    write_left(o, left, sizeof left);
+    write_left(at.row, left, sizeof left);
+    if (title_at(&at)) printf(".SS %s\n", title_at(&at));
     printf(".TP\n");
     print_escaped(left);
     printf("\n");
-    print_escaped(o->help);
+    print_escaped(at.row->help);
     printf("\n");
   }
   printf(".TP\n\\-\\-quiet\nno warnings and no progress; errors and results stay\n");
@@ -127,9 +121,7 @@ static void print_manual(const command_line *line) {
 }
 
 static void print_words(const command_line *line) {
-  for (size_t i = 0; i < line->option_count; ++i) {
-    if (line->options[i].kind != OPTION_GROUP) printf("%s\n", line->options[i].name);
-  }
+  for (option_place at = {line->tables, NULL}; next_option(&at);) printf("%s\n", at.row->name);
   printf("--quiet\n--help\n");
 }
 

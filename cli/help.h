@@ -1,4 +1,4 @@
-// The documentation of a command, generated from its table of options: help for a terminal, a manual page, and words
+// The documentation of a command, generated from its tables of options: help for a terminal, a manual page, and words
 // for shell completion.
 #ifndef OCTALUX_CLI_HELP_H
 #define OCTALUX_CLI_HELP_H

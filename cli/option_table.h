@@ -1,4 +1,4 @@
-// The table of a command's options, from which parsing, checking, --help, manual pages and completion are derived.
+// The tables of a command's options, from which parsing, checking, --help, manual pages and completion are derived.
 #ifndef OCTALUX_CLI_OPTION_TABLE_H
 #define OCTALUX_CLI_OPTION_TABLE_H
 
@@ -16,39 +16,66 @@ typedef enum option_kind {
   OPTION_POWER_OF_TWO, // uint32_t in min..max
   OPTION_BOUNCES,      // uint32_t in min..max, or UINT32_MAX for "inf"
   OPTION_REAL,         // float above 0
+  OPTION_DOUBLE,       // double above 0
   OPTION_SIZE,         // uint32_t[2], "1280x720", each in min..max
   OPTION_GRID,         // uint32_t[3], "4x4x4", each in min..max
   OPTION_CHOICE,       // uint32_t: which of the words in `form`, "field|path"
-  OPTION_CHOICES,      // uint32_t: a bit for each of the words in `form`; given as "field,path"
-  OPTION_GROUP         // not an option, but the title of those that follow in the table (GROUP_ROW)
+  OPTION_CHOICES       // uint32_t: a bit for each of the words in `form`; given as "field,path"
 } option_kind;
+
+// Rows may leave out their last values, which are 0 then.
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 
 typedef struct option {
   const char *name; // "--spp", or "-o"
   option_kind kind;
-  void *value;      // of the kind's type; unchanged unless the option is given
+  size_t at;        // offset of its value, of the kind's type, in the settings; unchanged unless the option is given
   const char *form; // how its value is shown in the help
   const char *help;
   uint32_t min, max;
 } option;
 
-// A title over the rows that follow it. Options for research are only shown by --help all. Tables begin, without a
-// title, with the most common options.
-#define GROUP_ROW(title)                                                                                               \
-  { NULL, OPTION_GROUP, NULL, NULL, (title), 0, 0 }
-#define RESEARCH_ROW                                                                                                   \
-  { NULL, OPTION_GROUP, NULL, NULL, "Research", 1, 0 }
+// A part of a command's options, and the settings that it changes. A command begins, without a title, with its most
+// common options.
+typedef struct option_table {
+  const option *options; // ended by a row of zeros
+  void *settings;        // the struct that the rows' offsets are for
+  const char *title;     // over the rows in the help; NULL: they continue the table before
+} option_table;
 
-enum { MAX_ARGUMENTS = 2, MOST_OPTIONS = 96 };
+// The title of options that are only shown by --help all.
+#define RESEARCH "Research"
+
+enum { MAX_ARGUMENTS = 2, MOST_TABLES = 11, MOST_OPTIONS = 96 };
 
 typedef struct command_line {
   const char *name, *summary, *example; // example: a typical command line; may be NULL
   const char *arguments[MAX_ARGUMENTS]; // names of positional arguments; NULL: none. Brackets mark optional ones
   const char *given[MAX_ARGUMENTS];     // filled by parsing; NULL when omitted
-  const option *options;
-  size_t option_count;          // at most MOST_OPTIONS
-  bool was_given[MOST_OPTIONS]; // filled by parsing: whether each option was given
+  option_table tables[MOST_TABLES + 1]; // ended by a table of zeros; MOST_OPTIONS rows at most in all
+  const option *named[MOST_OPTIONS];    // filled by parsing: the options that were given, each once
+  size_t named_count;
 } command_line;
+
+// Whether a command fails without the option.
+static inline bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
+
+// A place in the tables of a command: for (option_place at = {line->tables, NULL}; next_option(&at);) ...
+typedef struct option_place {
+  const option_table *table;
+  const option *row; // NULL before the first
+} option_place;
+
+static inline bool next_option(option_place *at) {
+  at->row = at->row ? at->row + 1 : at->table->options;
+  while (at->row && !at->row->name) at->row = (++at->table)->options;
+  return at->row != NULL;
+}
+
+// The title that begins at the row, or NULL.
+static inline const char *title_at(const option_place *at) {
+  return at->row == at->table->options ? at->table->title : NULL;
+}
 
 // The prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as octalux-view,
 // whose name begins with "octalux" itself.

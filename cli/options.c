@@ -1,4 +1,4 @@
-// Parses the arguments of a command by its table of options, and reports errors by the same table.
+// Parses the arguments of a command by its tables of options, and reports errors by the same tables.
 #include "options.h"
 
 #include "help.h"
@@ -11,6 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+const option json_option[] = {{"--json", OPTION_FLAG, 0, NULL, "print one JSON object"}, {0}};
+const option progress_option[] = {{"--progress", OPTION_FLAG, 0, NULL, "tell progress even when nobody watches"}, {0}};
+const option threads_option[] = {
+    {"--threads", OPTION_COUNT, 0, "N", "default 0: every processor; the result is the same", 0, 4096}, {0}};
 
 static bool quiet;
 
@@ -119,36 +124,38 @@ static bool parse_choices(const char *text, const char *words, uint32_t *value) 
   return true;
 }
 
-static bool parse_real(const char *text, float *value) {
+static bool parse_real(const char *text, double *value) {
   char *end;
-  const double number = strtod(text, &end);
-  if (end == text || *end || !(number > 0.0) || !isfinite((float)number)) return false;
-  *value = (float)number;
-  return true;
+  *value = strtod(text, &end);
+  return end != text && !*end && *value > 0.0 && isfinite((float)*value);
 }
 
-static bool parse_value(const option *o, const char *text) {
+static bool parse_value(const option *o, const char *text, void *value) {
   uint32_t number;
+  double real;
   switch (o->kind) {
   case OPTION_FLAG:
   case OPTION_FLAG_OFF:
-  case OPTION_FLAG_WORD:
-  case OPTION_GROUP: return false;
-  case OPTION_TEXT: *(const char **)o->value = text; return *text != 0;
-  case OPTION_COUNT: return parse_counts(text, o, 1, o->value);
+  case OPTION_FLAG_WORD: return false;
+  case OPTION_TEXT: *(const char **)value = text; return *text != 0;
+  case OPTION_COUNT: return parse_counts(text, o, 1, value);
   case OPTION_POWER_OF_TWO:
     if (!parse_counts(text, o, 1, &number) || (number & (number - 1)) != 0) return false;
-    *(uint32_t *)o->value = number;
+    *(uint32_t *)value = number;
     return true;
   case OPTION_BOUNCES:
-    if (strcmp(text, "inf") != 0) return parse_counts(text, o, 1, o->value);
-    *(uint32_t *)o->value = UINT32_MAX;
+    if (strcmp(text, "inf") != 0) return parse_counts(text, o, 1, value);
+    *(uint32_t *)value = UINT32_MAX;
     return true;
-  case OPTION_REAL: return parse_real(text, o->value);
-  case OPTION_SIZE: return parse_counts(text, o, 2, o->value);
-  case OPTION_GRID: return parse_counts(text, o, 3, o->value);
-  case OPTION_CHOICE: return parse_choice(text, strlen(text), o->form, o->value);
-  case OPTION_CHOICES: return parse_choices(text, o->form, o->value);
+  case OPTION_REAL:
+    if (!parse_real(text, &real)) return false;
+    *(float *)value = (float)real;
+    return true;
+  case OPTION_DOUBLE: return parse_real(text, value);
+  case OPTION_SIZE: return parse_counts(text, o, 2, value);
+  case OPTION_GRID: return parse_counts(text, o, 3, value);
+  case OPTION_CHOICE: return parse_choice(text, strlen(text), o->form, value);
+  case OPTION_CHOICES: return parse_choices(text, o->form, value);
   }
   return false;
 }
@@ -158,7 +165,8 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_COUNT: snprintf(text, size, "a whole number from %u to %u", o->min, o->max); break;
   case OPTION_POWER_OF_TWO: snprintf(text, size, "a power of two from %u to %u", o->min, o->max); break;
   case OPTION_BOUNCES: snprintf(text, size, "a whole number from %u to %u, or inf", o->min, o->max); break;
-  case OPTION_REAL: snprintf(text, size, "a number above 0"); break;
+  case OPTION_REAL:
+  case OPTION_DOUBLE: snprintf(text, size, "a number above 0"); break;
   case OPTION_SIZE: snprintf(text, size, "a size like 1280x720, each from %u to %u", o->min, o->max); break;
   case OPTION_GRID: snprintf(text, size, "a grid like 4x4x4, each from %u to %u", o->min, o->max); break;
   case OPTION_CHOICE: snprintf(text, size, "one of %s", o->form); break;
@@ -166,12 +174,9 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_FLAG:
   case OPTION_FLAG_OFF:
   case OPTION_FLAG_WORD:
-  case OPTION_GROUP:
   case OPTION_TEXT: snprintf(text, size, "a name"); break;
   }
 }
-
-static bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
 
 // Takes a positional argument.
 static bool take_argument(command_line *line, const char *text) {
@@ -189,40 +194,50 @@ static bool take_argument(command_line *line, const char *text) {
 static void refuse_option(const command_line *line, const char *text, size_t length) {
   const char *names[MOST_OPTIONS];
   size_t count = 0;
-  for (size_t i = 0; i < line->option_count && count < MOST_OPTIONS; ++i) {
-    if (line->options[i].kind != OPTION_GROUP) names[count++] = line->options[i].name;
-  }
+  for (option_place at = {line->tables, NULL}; next_option(&at) && count < MOST_OPTIONS;) names[count++] = at.row->name;
   const char *meant = nearest_word(text, length, names, count);
   usage_error(line->name, "unknown option '%.*s'%s%s%s (see %s%s --help)", (int)length, text,
               meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "", program_prefix(line->name),
               line->name);
 }
 
+static void note_given(command_line *line, const option *o) {
+  if (was_given(line, o->name)) return;
+  assert(line->named_count < MOST_OPTIONS);
+  line->named[line->named_count++] = o;
+}
+
+static bool take_value(command_line *line, const option *o, const char *text, void *value) {
+  char wanted[160];
+  if (!text) return usage_error(line->name, "%s needs a value: %s", o->name, o->form) == EXIT_DONE;
+  if (parse_value(o, text, value)) return true;
+  describe_value(o, wanted, sizeof wanted);
+  return usage_error(line->name, "%s: '%s' is not %s", o->name, text, wanted) == EXIT_DONE;
+}
+
+static void *value_at(const option_place *at) { return (char *)at->table->settings + at->row->at; }
+
 // Takes "--name value", "--name=value" or a flag; *index moves past what was used.
 static bool take_option(command_line *line, int argc, char **argv, int *index) {
   const char *text = argv[*index];
   const char *equals = strncmp(text, "--", 2) == 0 ? strchr(text, '=') : NULL;
   const size_t length = equals ? (size_t)(equals - text) : strlen(text);
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    if (o->kind == OPTION_GROUP || strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
-    line->was_given[i] = true;
+  for (option_place at = {line->tables, NULL}; next_option(&at);) {
+    const option *o = at.row;
+    if (strlen(o->name) != length || strncmp(o->name, text, length) != 0) continue;
+    note_given(line, o);
     if (o->kind == OPTION_FLAG || o->kind == OPTION_FLAG_OFF) {
       if (equals) return usage_error(line->name, "%s takes no value", o->name) == EXIT_DONE;
-      *(bool *)o->value = o->kind == OPTION_FLAG;
+      *(bool *)value_at(&at) = o->kind == OPTION_FLAG;
       return true;
     }
     if (o->kind == OPTION_FLAG_WORD) {
-      *(uint32_t *)o->value = equals ? 2 : 1;
+      *(uint32_t *)value_at(&at) = equals ? 2 : 1;
       if (!equals || strcmp(equals + 1, o->form) == 0) return true;
       return usage_error(line->name, "%s: '%s' is not %s", o->name, equals + 1, o->form) == EXIT_DONE;
     }
     const char *value = equals ? equals + 1 : *index + 1 < argc ? argv[++*index] : NULL;
-    if (!value) return usage_error(line->name, "%s needs a value: %s", o->name, o->form) == EXIT_DONE;
-    if (parse_value(o, value)) return true;
-    char wanted[160];
-    describe_value(o, wanted, sizeof wanted);
-    return usage_error(line->name, "%s: '%s' is not %s", o->name, value, wanted) == EXIT_DONE;
+    return take_value(line, o, value, value_at(&at));
   }
   refuse_option(line, text, length);
   return false;
@@ -236,15 +251,14 @@ static void answer_help(const command_line *line, const char *word) {
 }
 
 bool was_given(const command_line *line, const char *name) {
-  for (size_t i = 0; i < line->option_count; ++i) {
-    if (line->was_given[i] && strcmp(line->options[i].name, name) == 0) return true;
+  for (size_t i = 0; i < line->named_count; ++i) {
+    if (strcmp(line->named[i]->name, name) == 0) return true;
   }
   return false;
 }
 
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
   bool only_arguments = false;
-  assert(line->option_count <= MOST_OPTIONS);
   *exit_code = EXIT_USAGE;
   for (int i = 1; i < argc; ++i) {
     if (only_arguments || argv[i][0] != '-' || !argv[i][1]) {
@@ -267,9 +281,9 @@ bool parse_options(command_line *line, int argc, char **argv, int *exit_code) {
                 line->name);
     return false;
   }
-  for (size_t i = 0; i < line->option_count; ++i) {
-    const option *o = &line->options[i];
-    if (!must_be_given(o) || *(const char **)o->value) continue;
+  for (option_place at = {line->tables, NULL}; next_option(&at);) {
+    const option *o = at.row;
+    if (!must_be_given(o) || *(const char **)value_at(&at)) continue;
     usage_error(line->name, "%s %s is missing (see %s%s --help)", o->name, o->form, program_prefix(line->name),
                 line->name);
     return false;

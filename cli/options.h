@@ -1,4 +1,4 @@
-// Parses the arguments of a command by its table of options, and reports errors.
+// Parses the arguments of a command by its tables of options, and reports errors.
 #ifndef OCTALUX_CLI_OPTIONS_H
 #define OCTALUX_CLI_OPTIONS_H
 
@@ -15,6 +15,11 @@ enum {
 // printed, or one line reported an error). Every command also takes --help, optionally followed by "all", "man" or
 // "words", and --quiet.
 bool parse_options(command_line *line, int argc, char **argv, int *exit_code);
+
+// Options of many commands, each a table with its value for settings.
+extern const option json_option[];     // bool
+extern const option progress_option[]; // bool
+extern const option threads_option[];  // uint32_t
 
 // Whether the option was given on the command line.
 bool was_given(const command_line *line, const char *name);

@@ -5,6 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+const option scene_loading_options[] = {
+    {"--allow-outside", OPTION_FLAG, offsetof(scene_options, allow_outside), NULL,
+     "read files that a model names wherever they are, not in its parent folder alone"},
+    {"--import-limits", OPTION_TEXT, offsetof(scene_options, import_limits), "NAME=N,...",
+     "raise a limit of imports: triangles, texels, polygon_corners, materials, nodes"},
+    {0}};
+
 static bool set_limit(olx_scene_limits *limits, const char *name, size_t length, unsigned long long value) {
   const struct {
     const char *name;

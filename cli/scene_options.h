@@ -12,19 +12,8 @@ typedef struct scene_options {
   uint32_t instructions;     // olx_instructions
 } scene_options;
 
-// Rows of an option table that fill `s`.
-#define SCENE_OPTION_ROWS(s)                                                                                           \
-  {"--allow-outside",                                                                                                  \
-   OPTION_FLAG,                                                                                                        \
-   &(s).allow_outside,                                                                                                 \
-   NULL,                                                                                                               \
-   "read files that a model names wherever they are, not in its parent folder alone",                                  \
-   0,                                                                                                                  \
-   0},                                                                                                                 \
-  {                                                                                                                    \
-    "--import-limits", OPTION_TEXT, &(s).import_limits, "NAME=N,...",                                                  \
-        "raise a limit of imports: triangles, texels, polygon_corners, materials, nodes", 0, 0                         \
-  }
+// Options that fill a scene_options.
+extern const option scene_loading_options[];
 
 // Loads a scene. Returns EXIT_DONE, or the exit code after a line with the reason.
 int load_scene(const char *command, const char *name, const scene_options *options, olx_scene **scene);

@@ -12,23 +12,8 @@ typedef struct work_options {
   bool none, fresh, keep;
 } work_options;
 
-// Rows of an option table that fill `w`.
-#define WORK_OPTION_ROWS(w)                                                                                             \
-  {"--work",                                                                                                            \
-   OPTION_TEXT,                                                                                                         \
-   &(w).folder,                                                                                                         \
-   "DIR",                                                                                                               \
-   "keep results there, and go on from what is there; default for long bakes: FILE.olx.work",                           \
-   0,                                                                                                                   \
-   0},                                                                                                                  \
-      {"--no-work", OPTION_FLAG, &(w).none, NULL, "keep nothing: what is interrupted begins again", 0, 0},              \
-      {"--fresh", OPTION_FLAG, &(w).fresh, NULL, "forget what the work folder holds, and begin again", 0, 0},           \
-      {"--keep-work", OPTION_FLAG, &(w).keep, NULL, "leave the work folder when the field is written", 0, 0},           \
-      {"--work-limit", OPTION_REAL, &(w).limit, "GIB", "the most that the work folder takes; default: no bound", 0, 0}, \
-  {                                                                                                                     \
-    "--part", OPTION_TEXT, &(w).part, "I/N", "make the I-th of N shares of the work; exit code 75: call it again", 0,   \
-        0                                                                                                               \
-  }
+// Options that fill a work_options.
+extern const option work_folder_options[];
 
 // Counts of the units of a bake, for its report.
 typedef struct work_line {

@@ -8,6 +8,7 @@
 #include "scene/surface.h"
 #include "scene_files.h"
 
+#include <octalux/export.h>
 #include <octalux/render.h>
 
 #include <meshoptimizer.h>
@@ -479,17 +480,141 @@ static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
   }
 }
 
-static void specular_factors_count_and_what_is_ignored_is_named(void **state) {
+static void assert_not_warned(const olx_scene *scene, const char *part) {
+  for (uint32_t i = 0; i < scene->warning_count; ++i) {
+    if (strstr(scene->warnings[i], part)) fail_msg("a warning says \"%s\"", scene->warnings[i]);
+  }
+}
+
+// A square whose material "dull" has KHR_materials_specular with these members. Texture 0 has four colours.
+static olx_scene *load_specular(const scene_folder *folder, const char *surface, const char *members) {
+  gltf_maker m = {0};
+  char more[1024];
+  add_square(&m);
+  snprintf(more, sizeof more,
+           ", \"materials\": [{\"name\": \"dull\", \"pbrMetallicRoughness\": {%s}, \"extensions\": "
+           "{\"KHR_materials_specular\": {%s}}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
+           "\"" FOUR_COLORS "\"}], \"extensionsUsed\": [\"KHR_materials_specular\"]",
+           surface, members);
+  return load(write_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
+}
+
+static void specular_factors_are_weights(void **state) {
+  olx_scene *scene = load_specular(*state, "", "\"specularFactor\": 0.25");
+  assert_near(scene->materials[0].specular_weight, 0.25f, 1e-6f);
+  assert_not_warned(scene, "specular");
+  olx_scene_free(scene);
+}
+
+static void specular_colours_count_by_their_luminance(void **state) {
+  const struct {
+    const char *members;
+    float weight;
+  } cases[] = {{"\"specularFactor\": 0.25, \"specularColorFactor\": [1, 0, 0]", 0.25f * 0.2126f},
+               {"\"specularColorFactor\": [0.5, 0.5, 0.5]", 0.5f},
+               {"\"specularFactor\": 0.5, \"specularColorFactor\": [1.5, 1.5, 1.5]", 0.75f},
+               // F0 is 1 in blue, 25 times that of the weight 1, and more does not add to it.
+               {"\"specularColorFactor\": [0, 0, 1e6]", 1.0f}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    olx_scene *scene = load_specular(*state, "", cases[i].members);
+    assert_near(scene->materials[0].specular_weight, cases[i].weight, 1e-6f);
+    assert_warned(scene, "1 material has a specular colour: its luminance, up to 1, scales reflections at all angles "
+                         "(dull)");
+    olx_scene_free(scene);
+  }
+}
+
+// The specular weights, roughness and metalness in the middles of the texels: upper left, upper right, lower left,
+// lower right.
+static void assert_surfaces(const olx_scene *scene, const float weights[4], const float roughness[4],
+                            const float metallic[4]) {
+  for (int i = 0; i < 4; ++i) {
+    const olx_surface s = look_at(scene, i % 2 ? 0.75f : 0.25f, i < 2 ? 0.75f : 0.25f);
+    assert_near(s.bsdf.dielectric_weight, weights[i], 2e-3f);
+    assert_near(s.roughness, roughness[i], 2e-3f);
+    assert_near(s.metallic, metallic[i], 2e-3f);
+  }
+}
+
+#define ROUGH "\"roughnessFactor\": 0.5, \"metallicFactor\": 0.25"
+static const float half_rough[4] = {0.5f, 0.5f, 0.5f, 0.5f}, quarter_metallic[4] = {0.25f, 0.25f, 0.25f, 0.25f};
+
+static void specular_textures_are_weights_texel_by_texel(void **state) {
+  olx_scene *scene = load_specular(*state, ROUGH, "\"specularFactor\": 0.75, \"specularTexture\": {\"index\": 0}");
+  assert_surfaces(scene, (const float[4]){0.75f, 0.75f, 0.75f, 0}, half_rough, quarter_metallic);
+  assert_not_warned(scene, "specular");
+  assert_int_equal(scene->texture_count, 1);
+  olx_scene_free(scene);
+  scene =
+      load_specular(*state, ROUGH, "\"specularColorFactor\": [0.5, 1, 10], \"specularColorTexture\": {\"index\": 0}");
+  assert_surfaces(scene, (const float[4]){0.1063f, 0.7152f, 0.722f, 1}, half_rough, quarter_metallic);
+  assert_warned(scene, "a specular colour");
+  olx_scene_free(scene);
+}
+
+// Both textures, that of roughness in G and metalness in B, and the factors; in the model, cooked and exported.
+static void specular_textures_join_that_of_roughness(void **state) {
+  const float weights[4] = {0.1063f, 0.3576f, 0.0361f, 0}, roughness[4] = {0, 0.5f, 0, 0.5f},
+              metallic[4] = {0, 0, 0.25f, 0.25f};
+  olx_scene *scene = load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
+                                   "\"specularFactor\": 0.5, \"specularTexture\": {\"index\": 0}, "
+                                   "\"specularColorTexture\": {\"index\": 0}");
+  char cooked[600], exported[600];
+  snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
+  snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
+  assert_surfaces(scene, weights, roughness, metallic);
+  assert_int_equal(scene->texture_count, 1);
+  assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
+  assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
+  const uint64_t hash = scene->hash;
+  olx_scene_free(scene);
+  scene = load(cooked);
+  assert_true(scene->hash == hash);
+  assert_surfaces(scene, weights, roughness, metallic);
+  olx_scene_free(scene);
+  scene = load(exported);
+  assert_surfaces(scene, weights, roughness, metallic);
+  olx_scene_free(scene);
+}
+
+static void descriptions_replace_specular_textures(void **state) {
+  olx_scene_free(load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
+                               "\"specularTexture\": {\"index\": 0}"));
+  olx_scene *scene = load(scene_folder_write_text(
+      *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"dull\": {\"specular\": 0.5}}}"));
+  assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
+  olx_scene_free(scene);
+}
+
+static void specular_textures_that_lie_elsewhere_are_left_out(void **state) {
+  olx_scene *scene =
+      load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
+                    "\"specularFactor\": 0.5, \"specularTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}");
+  assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
+  assert_warned(scene, "1 material has specular textures with other coordinates than the roughness texture: they are "
+                       "left out (dull)");
+  olx_scene_free(scene);
+}
+
+static void specular_textures_that_cannot_be_read_leave_the_factors(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load(write_model(
       &m, *state, square_with(""), "[{\"mesh\": 0}]",
-      ", \"materials\": [{\"name\": \"dull\", \"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.25, "
-      "\"specularColorFactor\": [1, 0, 0]}}}], \"extensionsUsed\": [\"KHR_materials_specular\", "
-      "\"KHR_materials_unlit\", "
-      "\"ABC_unheard_of\"]"));
-  assert_near(scene->materials[0].specular_weight, 0.25f, 1e-6f);
-  assert_warned(scene, "colours or textures of KHR_materials_specular, of which its factor alone is used (dull)");
+      ", \"materials\": [{\"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.5, "
+      "\"specularColorFactor\": [0.5, 0.5, 0.5], \"specularTexture\": {\"index\": 0}}}}], \"textures\": [{\"source\": "
+      "0}], \"images\": [{\"uri\": \"missing.png\"}]"));
+  assert_near(look_at(scene, 0.5f, 0.5f).bsdf.dielectric_weight, 0.25f, 1e-6f);
+  assert_warned(scene, "texture left out");
+  olx_scene_free(scene);
+}
+
+static void extensions_that_are_ignored_are_named(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
+                                      ", \"materials\": [{}], \"extensionsUsed\": [\"KHR_materials_unlit\", "
+                                      "\"ABC_unheard_of\"]"));
   assert_warned(scene, "the glTF extension KHR_materials_unlit is ignored");
   assert_warned(scene, "the glTF extension ABC_unheard_of is ignored");
   olx_scene_free(scene);
@@ -774,7 +899,14 @@ int main(void) {
       WITH_FOLDER(the_alpha_of_vertices_masks),
       WITH_FOLDER(tangents_of_the_file_go_before_texture_coordinates),
       WITH_FOLDER(bitangents_lie_on_the_side_that_tangents_say),
-      WITH_FOLDER(specular_factors_count_and_what_is_ignored_is_named),
+      WITH_FOLDER(specular_factors_are_weights),
+      WITH_FOLDER(specular_colours_count_by_their_luminance),
+      WITH_FOLDER(specular_textures_are_weights_texel_by_texel),
+      WITH_FOLDER(specular_textures_join_that_of_roughness),
+      WITH_FOLDER(descriptions_replace_specular_textures),
+      WITH_FOLDER(specular_textures_that_lie_elsewhere_are_left_out),
+      WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),
+      WITH_FOLDER(extensions_that_are_ignored_are_named),
       WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
       WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),
       WITH_FOLDER(nodes_may_be_nested_but_not_without_end),

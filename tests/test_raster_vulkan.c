@@ -318,6 +318,11 @@ static void textures_are_as_rays_find_them(void **unused) {
   m.base_color_texture = random_texture(scene, 1, true, 0, 255);
   m.metallic_roughness_texture = random_texture(scene, 2, false, 0, 255);
   judge_material("textured", &m, scene, 0.005, 1e-3);
+  scene = made_scene();
+  m.metallic_roughness_texture = random_texture(scene, 2, false, 0, 255);
+  m.base_color_texture = OLX_NO_TEXTURE;
+  m.specular_in_alpha = true;
+  judge_material("specular weights in alpha", &m, scene, 0.005, 1e-3);
 }
 
 static void masks_leave_holes(void **unused) {

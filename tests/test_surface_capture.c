@@ -251,7 +251,10 @@ static void materials_survive(void **state) {
   olx_material material = plain(olx_v3(0.9f, 0.3f, 0.01f));
   material.roughness = 0.4f;
   material.metallic = 0.25f;
-  material.specular_weight = 0.5f;
+  material.specular_weight = 1.0f;
+  material.specular_in_alpha = true;
+  material.metallic_roughness_texture = made_texture(scene, 1, 1, (const uint8_t[4]){0, 255, 255, 128}, false);
+  const float weight = 128.0f / 255.0f;
   made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &material));
   add_light(scene, &(olx_light){.type = OLX_LIGHT_SPOT,
                                 .position = {0.1f, 0.2f, 0.3f},
@@ -263,13 +266,13 @@ static void materials_survive(void **state) {
   olx_bake_settings settings = settings_at(scene, olx_v3(0.2f, 0.1f, -0.3f), OLX_LIGHT_REFERENCE);
   settings.reference_paths = 1;
   olx_field *field = baked_field(scene, &settings, NULL);
-  const olx_bsdf truth = olx_bsdf_make(material.base_color, 0.25f, 0.4f, 0.5f);
+  const olx_bsdf truth = olx_bsdf_make(material.base_color, 0.25f, 0.4f, weight);
   for (uint32_t i = 0; i < SIZE * SIZE; i++) {
     const olx_bsdf stored = olx_texel_material(field, 0, texel_at(i % SIZE, i / SIZE));
     assert_near(stored.albedo, truth.albedo, 0.004f);
     assert_near(stored.f0, truth.f0, 0.004f);
     assert_float_equal(stored.f90, truth.f90, 0.004f);
-    assert_float_equal(stored.dielectric_weight, 0.5f, 0.002f);
+    assert_float_equal(stored.dielectric_weight, weight, 0.002f);
     assert_float_equal(sqrtf(stored.alpha), 0.4f, 0.002f);
   }
   const olx_field_light *spot = field->surfaces.lights;

@@ -30,6 +30,7 @@ enum {
   ALPHA_MAP = 8,
   VERTEX_COLORS = 16,
   RARE = 32,
+  SPECULAR_IN_ALPHA = 64,
   SLOTS = 8
 };
 
@@ -142,7 +143,8 @@ static raster_material material_of(const olx_material *m, bool rare) {
       .normal_scale = m->normal_scale,
       .flags = (m->emits_both_sides ? EMITS_BOTH_SIDES : 0u) | (m->normal_texture != OLX_NO_TEXTURE ? NORMAL_MAP : 0u) |
                (m->normal_is_height ? NORMAL_IS_HEIGHT : 0u) | (m->alpha_texture != OLX_NO_TEXTURE ? ALPHA_MAP : 0u) |
-               (m->vertex_colors ? VERTEX_COLORS : 0u) | (rare ? RARE : 0u) | m->second_uvs << SLOTS,
+               (m->vertex_colors ? VERTEX_COLORS : 0u) | (rare ? RARE : 0u) |
+               (m->specular_in_alpha ? SPECULAR_IN_ALPHA : 0u) | m->second_uvs << SLOTS,
   };
 }
 

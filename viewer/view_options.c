@@ -42,6 +42,11 @@ static bool parse_numbers(const char *text, int count, float *numbers) {
 
 static bool check(view_options *o) {
   view_state *s = &o->state;
+  if (o->json) {
+    usage_error("view", "--json: a viewer shows pictures, and has no numbers to print; --screenshot writes a picture, "
+                        "`octalux-bench-gpu --json` measures");
+    return false;
+  }
   if (o->pick) {
     float *p = o->pick_pixel;
     if (!parse_numbers(o->pick, 2, p) ||
@@ -73,67 +78,77 @@ static bool check(view_options *o) {
   return true;
 }
 
+static const option view_basic_options[] = {
+    {"--field", OPTION_TEXT, offsetof(view_options, field), "FILE.olx", "the field that gives indirect light", 1},
+    {"--size", OPTION_SIZE, offsetof(view_options, size), "1280x720", "pixels; default 1280x720", 1,
+     OLX_PICTURE_SIZE_MOST},
+    {"--camera", OPTION_TEXT, offsetof(view_options, camera), "NAME",
+     "a camera of the scene to begin with; default: the first"},
+    {"--exposure", OPTION_REAL, offsetof(view_options, state.exposure), "X",
+     "multiply light before the tone map; default: follows the picture in a window, else 1"},
+    {"--auto-exposure", OPTION_FLAG, offsetof(view_options, state.auto_exposure), NULL,
+     "let the exposure follow the picture"},
+    {"--scale", OPTION_COUNT, offsetof(view_options, scale_percent), "PERCENT",
+     "pixels lit along a side, of those shown; default 100", 12, 100},
+    {"--relight", OPTION_FLAG, offsetof(view_options, relight), NULL,
+     "let indirect light follow lights that move; a field of bake --relight"},
+    {"--object", OPTION_TEXT, offsetof(view_options, object), "X,Y,Z", "put a ball there, in metres"},
+    {0}};
+
+static const option view_quality_options[] = {
+    {"--mode", OPTION_CHOICE, offsetof(view_options, state.mode), VIEW_MODE_WORDS,
+     "irradiance and glossy rays; one ray a lobe, denoised; rays as they are; eye rays through the field alone"},
+    {"--denoise", OPTION_CHOICE, offsetof(view_options, state.denoise), VIEW_DENOISE_WORDS,
+     "how frames are filtered; default adaptive"},
+    {"--gather-samples", OPTION_COUNT, offsetof(view_options, state.gather_samples), "N",
+     "gather: rays a lobe, pixel and frame; frames add up; default 4", 1, 4096},
+    {0}};
+
+static const option view_picture_options[] = {
+    {"--frames", OPTION_COUNT, offsetof(view_options, frames), "N", "leave after N frames", 1, 100000000},
+    {"--screenshot", OPTION_TEXT, offsetof(view_options, screenshot), "FILE.png",
+     "write the last frame; without --frames, the first"},
+    {"--script", OPTION_TEXT, offsetof(view_options, script), "FILE",
+     "play keys, mouse and window from a file, then leave"},
+    {"--offscreen", OPTION_FLAG, offsetof(view_options, offscreen), NULL, "open no window"},
+    {"--panel", OPTION_FLAG, offsetof(view_options, panel), NULL, "keep the panel in screenshots"},
+    {0}};
+
+static const option view_research_options[] = {
+    {"--overlay", OPTION_CHOICE, offsetof(view_options, state.overlay), VIEW_OVERLAY_WORDS,
+     "what is painted over the picture; default none"},
+    {"--pick", OPTION_TEXT, offsetof(view_options, pick), "X,Y", "ask the ray of this pixel, as a click does"},
+    {"--emitters", OPTION_CHOICE, offsetof(view_options, emitters), "sampled|traced",
+     "lamps with an area: sampled by direct light, or found by rays; default sampled"},
+    {0}};
+
+static const option view_last_options[] = {
+    {"--no-wait", OPTION_FLAG, offsetof(view_options, no_wait), NULL, "do not wait for the display between frames"},
+    {"--validate", OPTION_FLAG, offsetof(view_options, validate), NULL, "check every call with the validation layers"},
+    {"--json", OPTION_FLAG, offsetof(view_options, json), NULL,
+     "refused: a viewer shows pictures, and has no numbers to print"},
+    {0},
+};
+
 bool view_options_read(int argc, char **argv, view_options *o, int *exit_code) {
-  *o = (view_options){.size = {1280, 720}, .state = default_state()};
+  *o = (view_options){.size = {1280, 720}, .scale_percent = 100, .state = default_state()};
   view_state *s = &o->state;
-  uint32_t scale_percent = 100, emitters = 0;
-  bool json = false;
-  sample_options sample = SAMPLE_OPTIONS_DEFAULT;
-  const option options[] = {
-      {"--field", OPTION_TEXT, &o->field, "FILE.olx", "the field that gives indirect light", 1, 0},
-      {"--size", OPTION_SIZE, o->size, "1280x720", "pixels; default 1280x720", 1, OLX_PICTURE_SIZE_MOST},
-      {"--camera", OPTION_TEXT, &o->camera, "NAME", "a camera of the scene to begin with; default: the first", 0, 0},
-      {"--exposure", OPTION_REAL, &s->exposure, "X",
-       "multiply light before the tone map; default: follows the picture in a window, else 1", 0, 0},
-      {"--auto-exposure", OPTION_FLAG, &s->auto_exposure, NULL, "let the exposure follow the picture", 0, 0},
-      {"--scale", OPTION_COUNT, &scale_percent, "PERCENT", "pixels lit along a side, of those shown; default 100", 12,
-       100},
-      {"--relight", OPTION_FLAG, &o->relight, NULL,
-       "let indirect light follow lights that move; a field of bake --relight", 0, 0},
-      {"--object", OPTION_TEXT, &o->object, "X,Y,Z", "put a ball there, in metres", 0, 0},
-      GROUP_ROW("Quality"),
-      {"--mode", OPTION_CHOICE, &s->mode, VIEW_MODE_WORDS,
-       "irradiance and glossy rays; one ray a lobe, denoised; rays as they are; eye rays through the field alone", 0,
-       0},
-      {"--denoise", OPTION_CHOICE, &s->denoise, VIEW_DENOISE_WORDS, "how frames are filtered; default adaptive", 0, 0},
-      {"--gather-samples", OPTION_COUNT, &s->gather_samples, "N",
-       "gather: rays a lobe, pixel and frame; frames add up; default 4", 1, 4096},
-      GROUP_ROW("Pictures and scripts"),
-      {"--frames", OPTION_COUNT, &o->frames, "N", "leave after N frames", 1, 100000000},
-      {"--screenshot", OPTION_TEXT, &o->screenshot, "FILE.png", "write the last frame; without --frames, the first", 0,
-       0},
-      {"--script", OPTION_TEXT, &o->script, "FILE", "play keys, mouse and window from a file, then leave", 0, 0},
-      {"--offscreen", OPTION_FLAG, &o->offscreen, NULL, "open no window", 0, 0},
-      {"--panel", OPTION_FLAG, &o->panel, NULL, "keep the panel in screenshots", 0, 0},
-      GROUP_ROW("Models"),
-      SCENE_OPTION_ROWS(o->loading),
-      RESEARCH_ROW,
-      {"--overlay", OPTION_CHOICE, &s->overlay, VIEW_OVERLAY_WORDS, "what is painted over the picture; default none", 0,
-       0},
-      {"--pick", OPTION_TEXT, &o->pick, "X,Y", "ask the ray of this pixel, as a click does", 0, 0},
-      {"--emitters", OPTION_CHOICE, &emitters, "sampled|traced",
-       "lamps with an area: sampled by direct light, or found by rays; default sampled", 0, 0},
-      SAMPLE_OPTION_ROWS(sample),
-      {"--no-wait", OPTION_FLAG, &o->no_wait, NULL, "do not wait for the display between frames", 0, 0},
-      {"--validate", OPTION_FLAG, &o->validate, NULL, "check every call with the validation layers", 0, 0},
-      {"--json", OPTION_FLAG, &json, NULL, "refused: a viewer shows pictures, and has no numbers to print", 0, 0},
-  };
+  olx_sample_settings sample = olx_sample_settings_default();
   command_line line = {.name = "view",
                        .summary = "Fly through a scene that a field lights, on Vulkan.",
                        .example = "octalux view room.gltf --field room.olx",
                        .arguments = {"SCENE"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{view_basic_options, o},
+                                  {view_quality_options, o, "Quality"},
+                                  {view_picture_options, o, "Pictures and scripts"},
+                                  {scene_loading_options, &o->loading, "Models"},
+                                  {view_research_options, o, RESEARCH},
+                                  {sample_options, &sample},
+                                  {view_last_options, o}}};
   if (!parse_options(&line, argc, argv, exit_code)) return false;
-  if (json) {
-    *exit_code =
-        usage_error("view", "--json: a viewer shows pictures, and has no numbers to print; --screenshot writes a "
-                            "picture, `octalux-bench-gpu --json` measures");
-    return false;
-  }
   o->scene = line.given[0];
-  s->scale = (float)scale_percent / 100.0f;
-  s->emitters = emitters == 1;
+  s->scale = (float)o->scale_percent / 100.0f;
+  s->emitters = o->emitters == 1;
   // Offscreen and scripted images must not depend on earlier frames, unless the options request it.
   s->auto_exposure |= s->exposure <= 0.0f && !o->offscreen && !o->script && !o->screenshot;
   if (s->exposure <= 0.0f) s->exposure = 1.0f;

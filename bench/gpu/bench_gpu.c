@@ -145,38 +145,41 @@ static int open_and_run(const arguments *a, const bench_row **rows, uint32_t cou
   return code;
 }
 
+static const option options[] = {
+    {"--data", OPTION_TEXT, offsetof(arguments, data), "DIR",
+     "cooked scenes and fields of the rows, as scripts/bench_gpu.sh makes them"},
+    {"--rows", OPTION_TEXT, offsetof(arguments, rows), "NAME,...",
+     "cornell-2048, cornell-256, sponza, living-room, kitchen, pandora; default all"},
+    {"--scene", OPTION_TEXT, offsetof(arguments, scene), "FILE.olxs", "one cooked scene, in place of --data"},
+    {"--field", OPTION_TEXT, offsetof(arguments, field), "FILE.olx", "its field"},
+    {"--camera", OPTION_TEXT, offsetof(arguments, camera), "NAME", "default: the scene's first"},
+    {"--size", OPTION_SIZE, offsetof(arguments, size), "1920x1080", "of the picture", 1, OLX_PICTURE_SIZE_MOST},
+    {"--frames", OPTION_COUNT, offsetof(arguments, frames), "N", "frames to take the median of; default 100", 1,
+     100000},
+    {"--tracer", OPTION_CHOICE, offsetof(arguments, tracer), "texel|two-level|hiz", "default hiz"},
+    {"--select", OPTION_CHOICE, offsetof(arguments, select), "best|cage|bricks|exhaustive", "default best"},
+    {"--hits", OPTION_CHOICE, offsetof(arguments, hits), "shaded|stored",
+     "light where rays end: of the surface there, or as a probe saw it; default shaded"},
+    {"--compare", OPTION_FLAG, offsetof(arguments, compare), NULL,
+     "glossy light alone: two-level + cage against hi-Z + bricks, frames in turns"},
+    {"--compile", OPTION_FLAG, offsetof(arguments, compile), NULL,
+     "make every pipeline for --field, print what the compiler reports of each, and run nothing"},
+    {"--bandwidth", OPTION_REAL, offsetof(arguments, bandwidth), "GB/s",
+     "for the floors; default: as copies are measured"},
+    {"--quick", OPTION_FLAG, offsetof(arguments, quick), NULL,
+     "coarse shadows and hardly a warm-up: a test that it runs"},
+    {"--device", OPTION_COUNT, offsetof(arguments, device), "N", "one of --list; default: the best", 0, 15},
+    {"--list", OPTION_FLAG, offsetof(arguments, list), NULL, "name the devices"},
+    {"--validate", OPTION_FLAG, offsetof(arguments, validate), NULL,
+     "with Vulkan's validation layers, which make it slow"},
+    {0}};
+
 int main(int argc, char **argv) {
   arguments a = {.size = {1920, 1080}, .frames = 100, .device = UINT32_MAX, .tracer = OLX_TRACER_HIZ};
-  const option options[] = {
-      {"--data", OPTION_TEXT, &a.data, "DIR",
-       "cooked scenes and fields of the rows, as scripts/bench_gpu.sh makes them", 0, 0},
-      {"--rows", OPTION_TEXT, &a.rows, "NAME,...",
-       "cornell-2048, cornell-256, sponza, living-room, kitchen, pandora; default all", 0, 0},
-      {"--scene", OPTION_TEXT, &a.scene, "FILE.olxs", "one cooked scene, in place of --data", 0, 0},
-      {"--field", OPTION_TEXT, &a.field, "FILE.olx", "its field", 0, 0},
-      {"--camera", OPTION_TEXT, &a.camera, "NAME", "default: the scene's first", 0, 0},
-      {"--size", OPTION_SIZE, a.size, "1920x1080", "of the picture", 1, OLX_PICTURE_SIZE_MOST},
-      {"--frames", OPTION_COUNT, &a.frames, "N", "frames to take the median of; default 100", 1, 100000},
-      {"--tracer", OPTION_CHOICE, &a.tracer, "texel|two-level|hiz", "default hiz", 0, 0},
-      {"--select", OPTION_CHOICE, &a.select, "best|cage|bricks|exhaustive", "default best", 0, 0},
-      {"--hits", OPTION_CHOICE, &a.hits, "shaded|stored",
-       "light where rays end: of the surface there, or as a probe saw it; default shaded", 0, 0},
-      {"--compare", OPTION_FLAG, &a.compare, NULL,
-       "glossy light alone: two-level + cage against hi-Z + bricks, frames in turns", 0, 0},
-      {"--compile", OPTION_FLAG, &a.compile, NULL,
-       "make every pipeline for --field, print what the compiler reports of each, and run nothing", 0, 0},
-      {"--bandwidth", OPTION_REAL, &a.bandwidth, "GB/s", "for the floors; default: as copies are measured", 0, 0},
-      {"--quick", OPTION_FLAG, &a.quick, NULL, "coarse shadows and hardly a warm-up: a test that it runs", 0, 0},
-      {"--device", OPTION_COUNT, &a.device, "N", "one of --list; default: the best", 0, 15},
-      {"--list", OPTION_FLAG, &a.list, NULL, "name the devices", 0, 0},
-      {"--validate", OPTION_FLAG, &a.validate, NULL, "with Vulkan's validation layers, which make it slow", 0, 0},
-      {"--json", OPTION_FLAG, &a.json, NULL, "print one JSON object", 0, 0},
-  };
   command_line line = {
       .name = NAME,
       .summary = "Milliseconds of each pass on a Vulkan device, beside those of McGuire et al. 2017, Table 1.",
-      .options = options,
-      .option_count = sizeof options / sizeof options[0]};
+      .tables = {{options, &a}, {json_option, &a.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   static const bench_row named = {

@@ -84,19 +84,18 @@ static int run_speed(speed_bench *bench, const command_line *options) {
 
 int study_bake_speed(int argc, char **argv) {
   speed_bench bench = {.scene_name = "builtin:cornell", .given = bake_options_begin()};
-  const option options[] = {
-      BAKE_OPTION_ROWS(bench.given),
-      SCENE_OPTION_ROWS(bench.loading),
-      {"--progress", OPTION_FLAG, &bench.progress, NULL, "tell progress even when nobody watches", 0, 0},
-      {"--json", OPTION_FLAG, &bench.json, NULL, "print one JSON object", 0, 0},
-  };
   command_line line = {
       .name = NAME,
       .summary = "How long a bake (of builtin:cornell, or SCENE) takes against Embree casting the same rays from\n"
                  "its probes and nothing else, in one run.",
       .arguments = {"[SCENE]"},
-      .options = options,
-      .option_count = sizeof options / sizeof options[0]};
+      .tables = {{bake_basic_options, &bench.given},
+                 {threads_option, &bench.given.settings.threads},
+                 {bake_quality_options, &bench.given, "Quality"},
+                 {bake_research_options, &bench.given, RESEARCH},
+                 {scene_loading_options, &bench.loading},
+                 {progress_option, &bench.progress},
+                 {json_option, &bench.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   if (line.given[0]) bench.scene_name = line.given[0];

@@ -119,6 +119,7 @@ typedef struct olx_place_settings {
   bool marks;       // also fill olx_probe_set.marks; default false
 } olx_place_settings;
 
+// Returns the default settings. `scene` may be NULL: then the grid has no probes, and olx_scene_probe_grid must set it.
 olx_place_settings olx_place_settings_default(const olx_scene *scene);
 
 typedef struct olx_placed_probe {

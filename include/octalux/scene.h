@@ -163,10 +163,11 @@ typedef struct olx_material {
   uint32_t emission_texture;
   uint32_t normal_texture; // tangent space: x along increasing u, y along decreasing v
   float normal_scale;
-  bool rectangle_light;  // the surface of a lamp, which "*" of a description does not match
-  bool normal_is_height; // the normal texture is a height map (MTL bump) in texels, scaled by normal_scale
-  bool vertex_colors;    // the colours of vertices multiply the base colour
-  uint32_t second_uvs;   // olx_texture_slot bits of the textures that are looked up by second_uvs
+  bool rectangle_light;   // the surface of a lamp, which "*" of a description does not match
+  bool normal_is_height;  // the normal texture is a height map (MTL bump) in texels, scaled by normal_scale
+  bool vertex_colors;     // the colours of vertices multiply the base colour
+  bool specular_in_alpha; // A of metallic_roughness_texture multiplies the specular weight
+  uint32_t second_uvs;    // olx_texture_slot bits of the textures that are looked up by second_uvs
 } olx_material;
 
 // Light from infinitely far away: a constant radiance, multiplied by an image where there is one.

@@ -126,9 +126,8 @@ static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples 
 static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_surface *middle,
                           const surface_sums *sums, olx_vec3 indirect) {
   const float share = 1.0f / sums->count;
-  const float weight = scene_of(c)->materials[middle->material].specular_weight;
-  const olx_texel_material_codes codes =
-      olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share, sums->metallic * share, weight);
+  const olx_texel_material_codes codes = olx_material_pack(olx_scale(sums->base_color, share), sums->roughness * share,
+                                                           sums->metallic * share, middle->bsdf.dielectric_weight);
   c->base[at] = codes.base;
   c->specular[at] = codes.specular;
   c->direct[at] = olx_rgb9e5_pack(olx_scale(sums->direct, share));

@@ -155,8 +155,12 @@ static void add_material(scene_model *m, cJSON *list, const olx_material *materi
   cJSON_AddStringToObject(object, "name", material->name);
   add_surface(object, material);
   cJSON *extensions = cJSON_AddObjectToObject(object, "extensions");
-  cJSON_AddNumberToObject(cJSON_AddObjectToObject(extensions, "KHR_materials_specular"), "specularFactor",
-                          material->specular_weight);
+  cJSON *specular = cJSON_AddObjectToObject(extensions, "KHR_materials_specular");
+  cJSON_AddNumberToObject(specular, "specularFactor", material->specular_weight);
+  if (material->specular_in_alpha) {
+    add_texture(specular, "specularTexture", material, material->metallic_roughness_texture,
+                OLX_SLOT_METALLIC_ROUGHNESS);
+  }
   add_emission(object, extensions, material);
   cJSON_AddBoolToObject(object, "doubleSided", true); // every triangle is visible from both sides
   if (material->alpha_cutoff > 0.0f) {

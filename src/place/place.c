@@ -92,7 +92,7 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .candidates = 2000,
                                  .refinements = 8};
   // The scene's own counts are always in range.
-  (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
+  if (scene) (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
   return settings;
 }
 

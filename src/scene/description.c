@@ -399,7 +399,10 @@ static olx_result apply_change(description *d, const material_change *change, ol
   if (change->roughness) m->roughness = change->roughness_value;
   // Roughness affects only the specular lobe, so that the material gets one.
   if (change->roughness && !change->specular) m->specular_weight = 1.0f;
-  if (change->specular) m->specular_weight = change->specular_value;
+  if (change->specular) {
+    m->specular_weight = change->specular_value;
+    m->specular_in_alpha = false;
+  }
   if (change->emission) {
     m->emission = change->emission_value;
     m->emission_texture = OLX_NO_TEXTURE;

@@ -2,13 +2,16 @@
 #ifndef OLX_SCENE_GLTF_MATERIAL_H
 #define OLX_SCENE_GLTF_MATERIAL_H
 
+#include "scene/gltf_specular.h"
 #include "scene/gltf_texture.h"
 
 // The properties of a material that its primitives depend on.
 typedef struct olx_gltf_surface {
-  uint32_t material; // index in the scene
-  bool used;         // a node of the file's scene uses it
-  bool absent;       // fully transparent
+  uint32_t material;          // index in the scene
+  bool used;                  // a node of the file's scene uses it
+  bool absent;                // fully transparent
+  bool merged;                // its textures of roughness, metallic and specular weight are merged
+  olx_gltf_specular specular; // what from
   olx_gltf_placements placements;
 } olx_gltf_surface;
 

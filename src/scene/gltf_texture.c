@@ -38,7 +38,7 @@ olx_gltf_placement olx_gltf_read_placement(const cJSON *info) {
   return place;
 }
 
-static bool same_placement(const olx_gltf_placement *a, const olx_gltf_placement *b) {
+bool olx_gltf_same_placement(const olx_gltf_placement *a, const olx_gltf_placement *b) {
   bool same = a->set == b->set;
   for (int i = 0; i < 6; ++i) same = same && a->rows[i / 3][i % 3] == b->rows[i / 3][i % 3];
   return same;
@@ -46,7 +46,7 @@ static bool same_placement(const olx_gltf_placement *a, const olx_gltf_placement
 
 bool olx_gltf_find_placement(olx_gltf_placements *placements, const olx_gltf_placement *place, uint32_t *number) {
   for (*number = 0; *number < placements->count; ++*number) {
-    if (same_placement(&placements->places[*number], place)) return true;
+    if (olx_gltf_same_placement(&placements->places[*number], place)) return true;
   }
   if (placements->count == 2) return false;
   placements->places[placements->count++] = *place;

@@ -81,7 +81,8 @@ void olx_import_warn_about_materials(const olx_material_import *import) {
       {&import->clamped, "an albedo above 0.95, clamped"},
       {&import->repaired, "numbers outside their range, clamped"},
       {&import->translucent, "partial opacity: absent below 0.5, else opaque"},
-      {&import->half_specular, "colours or textures of KHR_materials_specular, of which its factor alone is used"},
+      {&import->tinted, "a specular colour: its luminance, up to 1, scales reflections at all angles"},
+      {&import->displaced, "specular textures with other coordinates than the roughness texture: they are left out"},
       {&import->crowded, "textures with more than two kinds of coordinates: the others use the first one's"},
   };
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {

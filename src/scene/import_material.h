@@ -17,8 +17,9 @@ typedef struct olx_material_import {
   olx_scene *scene;
   olx_texture_table textures;
   olx_name_list clamped, repaired, translucent;
-  olx_name_list half_specular; // materials that use more of KHR_materials_specular than its factor
-  olx_name_list crowded;       // materials whose textures use more than two placements of coordinates
+  olx_name_list tinted;    // materials with a specular colour (KHR_materials_specular)
+  olx_name_list displaced; // materials whose specular textures use other coordinates than their roughness texture
+  olx_name_list crowded;   // materials whose textures use more than two placements of coordinates
 } olx_material_import;
 
 // Requests an image by its path relative to the model's; *number is its index in import->textures.

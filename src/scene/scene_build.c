@@ -332,7 +332,7 @@ static void hash_material(XXH3_state_t *state, const olx_material *m) {
                             m->emission_texture,
                             m->normal_texture,
                             (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
-                                (m->vertex_colors ? 4u : 0u) | m->second_uvs << 8};
+                                (m->vertex_colors ? 4u : 0u) | (m->specular_in_alpha ? 8u : 0u) | m->second_uvs << 8};
   XXH3_64bits_update(state, numbers, sizeof numbers);
   XXH3_64bits_update(state, words, sizeof words);
 }

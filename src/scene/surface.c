@@ -225,17 +225,18 @@ static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material 
 static void look_up_material(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs, olx_vec3 tint,
                              olx_surface *surface) {
   const olx_vec3 base_color = base_color_at(scene, material, uvs, tint);
-  float metallic = material->metallic, roughness = material->roughness;
+  float metallic = material->metallic, roughness = material->roughness, weight = material->specular_weight;
   if (has_texture(material->metallic_roughness_texture)) {
-    const olx_vec3 t =
-        look_up(scene, material, material->metallic_roughness_texture, OLX_SLOT_METALLIC_ROUGHNESS, uvs).color;
-    metallic *= t.z;
-    roughness *= t.y;
+    const olx_texel t =
+        look_up(scene, material, material->metallic_roughness_texture, OLX_SLOT_METALLIC_ROUGHNESS, uvs);
+    metallic *= t.color.z;
+    roughness *= t.color.y;
+    if (material->specular_in_alpha) weight *= t.alpha;
   }
   surface->base_color = base_color;
   surface->metallic = metallic;
   surface->roughness = roughness;
-  surface->bsdf = olx_bsdf_make(base_color, metallic, roughness, material->specular_weight);
+  surface->bsdf = olx_bsdf_make(base_color, metallic, roughness, weight);
   surface->emission =
       surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uvs(scene, material, uvs);
 }

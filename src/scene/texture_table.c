@@ -73,25 +73,31 @@ static olx_result check_texels(const olx_texture_table *table, const olx_scene *
   return OLX_OK;
 }
 
-olx_result olx_texture_table_load(olx_texture_table *table, const char *model_path, olx_scene *scene) {
+olx_result olx_texture_table_decode(olx_texture_table *table, const char *model_path, olx_scene *scene) {
   OLX_TRY(check_texels(table, scene));
   OLX_TRY(olx_parallel_for(table->count, 0, load_one, table, NULL, 0));
   uint32_t missing = 0;
   for (uint32_t i = 0; i < table->count; ++i) {
-    olx_texture_request *request = &table->requests[i];
+    const olx_texture_request *request = &table->requests[i];
     if (!request->data) OLX_TRY(olx_scene_note_source(scene, request->path));
-    if (request->error[0]) {
-      if (++missing <= MAX_REPEATED_WARNINGS) {
-        olx_scene_warn(scene, "%s: texture left out: %s", model_path, request->error);
-      }
-      continue;
+    if (request->error[0] && ++missing <= MAX_REPEATED_WARNINGS) {
+      olx_scene_warn(scene, "%s: texture left out: %s", model_path, request->error);
     }
-    const olx_texture texture = request->texture;
-    request->texture.texels = NULL;
-    OLX_TRY(olx_scene_add_texture(scene, &texture, &request->scene_index));
   }
   if (missing > MAX_REPEATED_WARNINGS) {
     olx_scene_warn(scene, "%s: %u more textures left out", model_path, missing - MAX_REPEATED_WARNINGS);
+  }
+  return OLX_OK;
+}
+
+olx_result olx_texture_table_load(olx_texture_table *table, const char *model_path, olx_scene *scene) {
+  OLX_TRY(olx_texture_table_decode(table, model_path, scene));
+  for (uint32_t i = 0; i < table->count; ++i) {
+    olx_texture_request *request = &table->requests[i];
+    const olx_texture texture = request->texture;
+    if (request->error[0]) continue;
+    request->texture.texels = NULL;
+    OLX_TRY(olx_scene_add_texture(scene, &texture, &request->scene_index));
   }
   return OLX_OK;
 }

@@ -25,8 +25,11 @@ typedef struct olx_texture_table {
 olx_result olx_texture_table_request(olx_texture_table *table, const char *path, const void *data, size_t size_bytes,
                                      olx_texture_use use, uint32_t *number);
 
-// Decodes all textures and appends them to the scene. Unreadable images become warnings; images that exceed the scene's
-// limit of texels are rejected before any is decoded.
+// Decodes all textures, which remain the table's. Unreadable images become warnings of the scene; images that exceed
+// its limit of texels are rejected before any is decoded.
+olx_result olx_texture_table_decode(olx_texture_table *table, const char *model_path, olx_scene *scene);
+
+// Decodes all textures and appends them to the scene.
 olx_result olx_texture_table_load(olx_texture_table *table, const char *model_path, olx_scene *scene);
 
 // The scene's texture for an index of the table; OLX_NO_TEXTURE for OLX_NO_TEXTURE.

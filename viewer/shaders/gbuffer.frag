@@ -89,8 +89,8 @@ void main() {
   vec3 base_color = m.base_color_alpha.rgb * texture(base_color_texture, uv_for(flags, SECOND_BASE_COLOR, uvs)).rgb;
   if ((m.flags & VERTEX_COLORS) != 0u) base_color *= color.rgb;
   vec3 emission = m.emission_cutoff.rgb * texture(emission_texture, uv_for(flags, SECOND_EMISSION, uvs)).rgb;
-  vec2 roughness_metallic =
-      texture(metallic_roughness_texture, uv_for(flags, SECOND_METALLIC_ROUGHNESS, uvs)).gb;
+  vec3 surface = texture(metallic_roughness_texture, uv_for(flags, SECOND_METALLIC_ROUGHNESS, uvs)).gba;
+  if ((m.flags & SPECULAR_IN_ALPHA) == 0u) surface.z = 1.0;
   vec3 to_eye = normalize(eye - position);
   bool back = dot(outward, to_eye) < 0.0;
   vec3 n = shading_normal(m, to_eye, back);
@@ -98,7 +98,7 @@ void main() {
   if (back && (m.flags & EMITS_BOTH_SIDES) == 0u) emission = vec3(0.0);
   out_normal = vec4(n, 1.0);
   out_albedo = vec4(min(base_color, vec3(MAX_ALBEDO)), 1.0);
-  out_material = vec4(m.roughness * roughness_metallic.x, m.metallic * roughness_metallic.y, m.specular_weight,
+  out_material = vec4(m.roughness * surface.x, m.metallic * surface.y, m.specular_weight * surface.z,
                       is_moved() ? 1.0 : 0.0);
   out_vertex_normal = vec4(back ? -vertex_normal() : vertex_normal(), 1.0);
   out_color = vec4(min(emission, vec3(LARGEST_HALF)), 1.0);

@@ -129,16 +129,18 @@ static int print_formats(FILE *stream) {
   fputs("usage: octalux export FORMAT INPUT -o OUTPUT [options] (octalux export FORMAT --help says more)\n\n"
         "  octalux export exr FIELD --map NAME -o FILE.exr     a map of a probe as a picture\n"
         "  octalux export gltf FIELD -o FILE.gltf              probes, irradiance volume and bricks as a model\n"
+        "  octalux export ktx2 FIELD -o FILE.ktx2              the irradiance volume as a texture that Bevy reads\n"
         "  octalux export web SCENE --field FIELD -o DIR       a page to walk through the scene in a browser\n",
         stream);
   return EXIT_DONE;
 }
 
 int command_export(int argc, char **argv) {
-  if (argc < 2) return usage_error("export", "FORMAT is missing: exr, gltf or web (see octalux export --help)");
+  if (argc < 2) return usage_error("export", "FORMAT is missing: exr, gltf, ktx2 or web (see octalux export --help)");
   if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) return print_formats(stdout);
   if (strcmp(argv[1], "exr") == 0) return export_exr(argc - 1, argv + 1);
   if (strcmp(argv[1], "gltf") == 0) return export_gltf(argc - 1, argv + 1);
+  if (strcmp(argv[1], "ktx2") == 0) return command_export_ktx2(argc - 1, argv + 1);
   if (strcmp(argv[1], "web") == 0) return command_export_web(argc - 1, argv + 1);
-  return usage_error("export", "'%s' is not one of exr, gltf, web", argv[1]);
+  return usage_error("export", "'%s' is not one of exr, gltf, ktx2, web", argv[1]);
 }

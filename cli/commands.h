@@ -14,6 +14,7 @@ int command_verify(int argc, char **argv);
 int command_pack(int argc, char **argv);
 int command_unpack(int argc, char **argv);
 int command_export(int argc, char **argv);
+int command_export_ktx2(int argc, char **argv);
 int command_export_web(int argc, char **argv);
 int command_view(int argc, char **argv);
 

@@ -4,7 +4,7 @@ _octalux() {
   if [ "$COMP_CWORD" -eq 1 ]; then
     words="$(octalux help words 2>/dev/null) help"
   elif [ "$command" = export ] && [ "$COMP_CWORD" -eq 2 ]; then
-    words="exr gltf web"
+    words="exr gltf ktx2 web"
   elif [ "$command" = help ]; then
     words="$(octalux help words 2>/dev/null)"
   elif [[ $word == -* ]]; then

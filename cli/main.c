@@ -28,7 +28,7 @@ static const command commands[] = {
     {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
     {"pack", "pack out.olx", "store a field smaller, for shipping: out.olxz", command_pack},
     {"unpack", "unpack out.olxz", "make the same field of it again", command_unpack},
-    {"export", "export exr|gltf out.olx -o FILE", "a probe's map as a picture, or all probes as a model",
+    {"export", "export exr|gltf|ktx2 out.olx -o FILE", "maps as pictures, probes as a model, light as a volume",
      command_export},
     {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
 };

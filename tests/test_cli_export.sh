@@ -40,7 +40,7 @@ expect_failure "none.olx" export gltf none.olx -o b.gltf
 "$OCTALUX" pack plain.olx --level 1 >stdout.txt 2>stderr.txt
 expect_failure "a packed field" export gltf plain.olxz -o b.gltf
 expect_usage "FORMAT is missing" export
-expect_usage "'obj' is not one of exr, gltf, web" export obj all.olx -o b.obj
+expect_usage "'obj' is not one of exr, gltf, ktx2, web" export obj all.olx -o b.obj
 expect_usage "FIELD is missing" export exr
 expect_usage "-o FILE.exr is missing" export exr all.olx --map direct
 expect_usage "--map NAME is missing" export exr all.olx -o b.exr
@@ -48,6 +48,16 @@ expect_usage "'light' is not one of distance|" export exr all.olx --map light -o
 expect_usage "'b.png' does not end in .exr" export exr all.olx --map direct -o b.png
 expect_usage "'b.glb' does not end in .gltf" export gltf all.olx -o b.glb
 expect_usage "whole number from 1 to 2048" export exr all.olx --map direct --projection cube --size 4096 -o b.exr
+expect_usage "'b.ktx' does not end in .ktx2" export ktx2 all.olx -o b.ktx
+expect_usage "unknown option '--spacng'; did you mean --spacing?" export ktx2 all.olx -o b.ktx2 --spacng 1
+expect_usage "--size and --spacing exclude each other" export ktx2 all.olx -o b.ktx2 --size 4x4x4 --spacing 1
+expect_usage "'4x0x4' is not a grid like 4x4x4" export ktx2 all.olx -o b.ktx2 --size 4x0x4
+expect_failure "4x4x700 voxels: each at least 1, at most 2048x1024x682" export ktx2 all.olx -o b.ktx2 --size 4x4x700
+expect_failure "none.olx" export ktx2 none.olx -o b.ktx2
+"$OCTALUX" bake builtin:cornell -o dark.olx --radiance-size 16 --noise 0.5 --grid 2x1x2 --volume-cells 0 >stdout.txt 2>stderr.txt
+expect_failure "dark.olx: baked without an irradiance volume (bake --volume-cells)" export ktx2 dark.olx -o b.ktx2
+head -c 3000 plain.olx >cut.olx
+expect_failure "cut.olx" export ktx2 cut.olx -o b.ktx2
 expect_usage "SCENE is missing" export web
 expect_usage "--field FILE.olx is missing" export web builtin:cornell -o b.web
 expect_usage "-o DIR is missing" export web builtin:cornell --field plain.olx
@@ -72,6 +82,22 @@ expect 0 export gltf all.olx -o all.gltf
 grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole and .* divided$" stdout.txt || fail "export says what it wrote"
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
 expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
+
+# Irradiance volumes: the sizes that are asked for, the transform in scene coordinates, the same bytes by every way.
+expect_json "o['size'] == [32, 32, 32] and o['written_error'] <= 0.5 * o['captured_error']" export ktx2 all.olx -o all.ktx2
+expect_json "o['size'] == [3, 4, 5] and o['file_bytes'] > 4 * 6 * 60" export ktx2 all.olx -o b.ktx2 --size 3x4x5
+expect_json "o['size'] == [6, 6, 6] and abs(o['scale'][1] - 0.6) < 1e-6" export ktx2 all.olx -o b.ktx2 --spacing 0.1
+expect_json "o['written_error'] == o['captured_error']" export ktx2 all.olx -o b.ktx2 --plain
+expect_json "abs(o['translation'][0] - 5000001) < 0.01" export ktx2 far.olx -o b.ktx2 --size 2x2x2
+expect 0 export ktx2 all.olx -o b.ktx2 --threads 1
+grep -q "^b.ktx2: 32x32x32 voxels, [0-9]* of them inside geometry, 76[0-9].[0-9] KiB$" stdout.txt || fail "export ktx2 says what it wrote"
+grep -q "^  transform  translation 0.27[0-9]* 0.27[0-9]* 0.27[0-9]*, scale 0.56[0-9]* 0.56[0-9]* 0.56[0-9]* (metres, y up)$" stdout.txt ||
+  fail "export ktx2 does not print the transform"
+cmp -s all.ktx2 b.ktx2 || fail "one thread writes another volume"
+"$OCTALUX" export ktx2 all.olx -o - 2>stderr.txt | cmp - all.ktx2 || fail "standard output is another volume"
+[ "$(head -c 7 all.ktx2 | tail -c 6)" = "KTX 20" ] && grep -aq '"translation":\[0.27' all.ktx2 || fail "the file does not name its transform"
+"$OCTALUX" export ktx2 all.olx -o b.ktx2 --zstd >stdout.txt 2>stderr.txt
+[ "$(stat -c %s b.ktx2)" -lt "$(stat -c %s all.ktx2)" ] || fail "--zstd makes no smaller file"
 
 # Pages: with the program's own page beside it the scene, the field and the page are written; a program that stands
 # alone says what is missing.

@@ -88,7 +88,7 @@ grep -q "^usage: octalux export exr" stdout.txt || fail "octalux help export exr
 expect_usage "unknown command 'paint'" help paint
 
 # Manual pages and completion have every option, those of research as well.
-for command in scene place bake render compare audit info verify pack unpack "export exr" "export gltf" "export web"; do
+for command in scene place bake render compare audit info verify pack unpack "export exr" "export gltf" "export ktx2" "export web"; do
   # shellcheck disable=SC2086 # commands of two words
   expect 0 help $command words
   [ "$(grep -c -- '^-' stdout.txt)" -ge 3 ] || fail "no words for $command"
@@ -119,7 +119,7 @@ cmp -s loud.olx quiet.olx || fail "--quiet changes what is baked"
 help="$OCTALUX_SOURCE_DIR/tests/cli/help.txt"
 {
   "$OCTALUX" --help
-  for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf"; do
+  for command in scene place bake render compare audit info verify pack unpack export "export exr" "export gltf" "export ktx2"; do
     echo
     echo "== octalux $command --help"
     "$OCTALUX" $command --help all

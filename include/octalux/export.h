@@ -146,6 +146,53 @@ typedef struct olx_gltf_counts {
 // `counts` may be NULL.
 olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_counts *counts);
 
+// ---- Irradiance volumes of other engines: light for moving objects and surfaces on a regular grid of ambient cubes
+// (Mitchell 2006), in the layout that Bevy's irradiance volumes read (docs/exporting.md, "An irradiance volume").
+
+#define OLX_CUBES_MOST_TEXELS 2048       // of the texture, along each axis
+#define OLX_CUBES_MOST_VOXELS (1u << 20) // of a volume
+
+typedef struct olx_cubes_settings {
+  uint32_t size[3];     // voxels along x, y and z; all 0, the default: from spacing_metres
+  float spacing_metres; // side of a voxel, or 0, the default: 1/32 of the longest side of the scene's bounds
+  bool fit;             // fit the voxels to the surfaces that probes see; default true
+  bool zstd;            // compress the texels by Zstandard, which a loader undoes; default false
+  uint32_t threads;     // 0, the default: as many as the machine has; the bytes do not depend on it
+} olx_cubes_settings;
+
+olx_cubes_settings olx_cubes_settings_default(void);
+
+// The transform of a volume takes the unit cube about 0 to its box: translation + scale * p.
+typedef struct olx_cubes_info {
+  uint32_t size[3];      // voxels along x, y and z; the texture has size[0] x 2 size[1] x 3 size[2] texels
+  double translation[3]; // metres of scene coordinates, y up: the middle of the box
+  double scale[3];       // metres: its sides
+  uint32_t inside;       // voxels whose centres are not in free space
+  uint32_t points;       // on surfaces, to which the voxels were fitted or compared
+  // Relative MSE of look-ups at these points, sum (a - b)^2 / sum b^2: of what was captured at the voxels' centres, and
+  // of what was written.
+  double captured_error, written_error;
+  uint64_t file_bytes;
+} olx_cubes_info;
+
+// Writes a field's indirect light as a KTX 2.0 file: a 3D texture of RGB9E5 texels without mipmaps. Each holds
+// irradiance over pi in W/(sr m^2), which is the radiance of a white surface. Voxel (x, y, z) is in the texels (x, y, z)
+// of six parts: those of the axes x, y and z begin at 0, size[2] and 2 size[2] along z, and in each of them surfaces
+// that face along the axis begin at 0 along y, and those that face against it at size[1]. The key "octalux.volume" has
+// the transform as JSON.
+//
+// The engine interpolates between voxels whatever lies between them. So voxels are fitted: look-ups come closest, by
+// least squares, to the light that light field probes store for surfaces and that the irradiance volume has in free
+// space. Voxels inside geometry get the light of their neighbours, and of the surfaces around them.
+//
+// With settings->spacing_metres the box has the scene's bounds, enlarged about their middle to whole voxels; with
+// settings->size it has those bounds, and voxels of any shape. Both have a margin of 1/1024 of the longest side, so that
+// surfaces at the bounds are inside. Written through a temporary file that is synced and renamed, or to a stream.
+// OLX_ERROR_ARGUMENT for a field without an irradiance volume, and for sizes out of range. `progress` and `info` may be
+// NULL.
+olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *settings, const char *path,
+                           const olx_progress *progress, olx_cubes_info *info);
+
 // ---- Scenes and files for other renderers, such as browsers (docs/web.md).
 
 // Writes the contents of a scene as a .glb (glTF 2.0): triangles by material, with embedded textures; emission,

@@ -80,7 +80,7 @@ static olx_cube_point draw_point(const collection *c, uint32_t i) {
 
 static void draw_points(void *user, uint32_t job) {
   const collection *c = user;
-  olx_cube_point *points = c->points + (size_t)c->side * c->side * c->field->info.probe_count;
+  olx_cube_point *points = c->points + (size_t)c->side * c->side * c->field->info.probes.count;
   const uint32_t first = job * SPACE_JOB_POINTS;
   for (uint32_t i = first; i < first + SPACE_JOB_POINTS && i < c->space; i++) points[i] = draw_point(c, i);
 }
@@ -125,7 +125,7 @@ static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
 static collection plan_collection(const olx_field *field, const olx_cube_grid *grid, size_t voxels) {
   collection c = {.field = field, .grid = grid, .step = 1, .side = field->n};
   const size_t most = smaller(MOST_OF_VOXEL * voxels, MOST_POINTS);
-  while (c.side > LEAST_SIDE && (size_t)c.side * c.side * field->info.probe_count > most) {
+  while (c.side > LEAST_SIDE && (size_t)c.side * c.side * field->info.probes.count > most) {
     c.side /= 2;
     c.step *= 2;
   }
@@ -135,7 +135,7 @@ static collection plan_collection(const olx_field *field, const olx_cube_grid *g
 
 static olx_result read_all(collection *c, uint32_t threads) {
   const uint32_t jobs = (c->space + SPACE_JOB_POINTS - 1) / SPACE_JOB_POINTS;
-  OLX_TRY(olx_parallel_for(c->field->info.probe_count, threads, read_probe, c, NULL, 0));
+  OLX_TRY(olx_parallel_for(c->field->info.probes.count, threads, read_probe, c, NULL, 0));
   return olx_parallel_for(jobs, threads, draw_points, c, NULL, 0);
 }
 
@@ -143,7 +143,7 @@ olx_result olx_cube_points_collect(const olx_field *field, const olx_cube_grid *
                                    olx_cube_points *points) {
   const size_t voxels = olx_cube_voxels(grid);
   collection c = plan_collection(field, grid, voxels);
-  const size_t most = (size_t)c.side * c.side * field->info.probe_count + c.space;
+  const size_t most = (size_t)c.side * c.side * field->info.probes.count + c.space;
   c.points = olx_allocate(most, sizeof *c.points);
   *points = (olx_cube_points){.points = olx_allocate(most, sizeof *points->points)};
   points->starts = olx_allocate(voxels + 1, sizeof *points->starts);

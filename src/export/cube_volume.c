@@ -42,7 +42,7 @@ static olx_result check_settings(const olx_cubes_settings *s) {
 
 // The sides of the scene's bounds with their margin.
 static void find_extents(const olx_field *field, float extents[3]) {
-  const olx_vec3 bounds = olx_sub(field->info.scene_max, field->info.scene_min);
+  const olx_vec3 bounds = olx_sub(field->info.scene.bounds_max, field->info.scene.bounds_min);
   olx_store3(extents, olx_add(bounds, olx_splat(2.0f * MARGIN * olx_max3(bounds))));
 }
 
@@ -65,7 +65,7 @@ static olx_result choose_grid(const olx_field *field, const olx_cubes_settings *
   find_extents(field, extents);
   divide(settings, extents, grid);
   OLX_TRY(check_size(grid->size));
-  const olx_vec3 middle = olx_scale(olx_add(field->info.scene_min, field->info.scene_max), 0.5f);
+  const olx_vec3 middle = olx_scale(olx_add(field->info.scene.bounds_min, field->info.scene.bounds_max), 0.5f);
   const olx_vec3 size = olx_v3((float)grid->size[0], (float)grid->size[1], (float)grid->size[2]);
   grid->low = olx_madd(middle, olx_mul(size, grid->spacing), -0.5f);
   return OLX_OK;
@@ -73,8 +73,8 @@ static olx_result choose_grid(const olx_field *field, const olx_cubes_settings *
 
 static void describe_grid(const olx_field *field, const olx_cube_grid *grid, olx_cubes_info *info) {
   float low[3], high[3], spacing[3];
-  olx_store3(low, field->info.scene_min);
-  olx_store3(high, field->info.scene_max);
+  olx_store3(low, field->info.scene.bounds_min);
+  olx_store3(high, field->info.scene.bounds_max);
   olx_store3(spacing, grid->spacing);
   for (uint32_t i = 0; i < 3; i++) {
     info->size[i] = grid->size[i];

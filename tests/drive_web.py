@@ -18,8 +18,8 @@ import browser
 SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WIDTH, HEIGHT = 640, 360
 SAMPLES = 4  # glossy rays a pixel, as `octalux render` has them unless it is told otherwise
-# Bound on the processor time of all the browser's processes until glossy light is there; other work on the machine does
-# not count.
+# Upper bound on the processor time of all the browser's processes until glossy light is shown; other work on the
+# machine does not count.
 MOST_PROCESSOR_SECONDS = 15
 faults = []
 

@@ -59,7 +59,7 @@ def place_of(direction):
     return (x + 1) / 2, (z + 1) / 2
 
 
-# Chunk, bytes of a texel, and what a texel's code means; `s` is the distance scale.
+# For each map: its chunk, the bytes of a texel, and what a texel's code means; `s` is the distance scale.
 MAPS = {
     "distance": ("DIST", 2, lambda c, s: [half(c & 0x7FFF) * s]),
     "emitter": ("DIST", 2, lambda c, s: [float(c >= 0x7C00)]),

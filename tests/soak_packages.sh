@@ -1,6 +1,6 @@
-# Debian packages on a bare system: nothing but Debian's minimal packages, then ours and what they depend on, then
-# scene, bake, render and compare, and a program that is built against the development package. Needs mmdebstrap, the
-# network, and root or user namespaces.
+# Debian packages on a bare system: Debian's minimal packages, then ours and their dependencies, then scene, bake,
+# render and compare, and a program that is built against the development package. Needs mmdebstrap, the network, and
+# root or user namespaces.
 set -euo pipefail
 command -v mmdebstrap >/dev/null || { echo "skipped: no mmdebstrap"; exit 77; }
 work=$(mktemp -d)

@@ -158,7 +158,7 @@ static void vary_irradiance(olx_field *field) {
   }
 }
 
-// Lights of every type, and one whose type is unknown.
+// Lights of every type, and one whose emission is infinite.
 static const olx_field_light LIGHTS[] = {
     {.type = OLX_FIELD_SUN, .direction = {0.6f, -0.64f, 0.48f}, .emission = {1.0f, 0.9f, 0.5f}},
     {.type = OLX_FIELD_POINT, .position = {2.0f, 2.6f, 1.0f}, .emission = {3.0f, 1.0f, 0.2f}},

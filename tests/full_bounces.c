@@ -89,7 +89,7 @@ static void no_bounce_goes_through_a_wall(void **state) {
   olx_scene_free(scene);
 }
 
-// --- Cornell box, 4 x 4 x 4 probes ---
+// --- Cornell box, 4 x 4 x 4 probes
 
 enum { SIDE = 32, MANY = 8 };
 

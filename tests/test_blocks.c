@@ -312,12 +312,10 @@ static void impossible_blocks_are_refused(void **state) {
                                     {{0, 0, tiny, 0}}, // devices may flush this number to 0
                                     {{0, 0, 0, 1}},    // reserved bits are set
                                     {{0, 0, 1u << 30, OLX_GEOMETRY_TWO << 30}},
-                                    {{7, 0, 0, OLX_GEOMETRY_POOL << 30}}, // index beyond the end of the pool
-                                    // Index beyond the end of the pool for one texel.
-                                    {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}},
-                                    // The sum of index and offset overflows.
-                                    {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}},
-                                    {{0, 0, 0, 3u << 30}}}; // a form that is unknown
+                                    {{7, 0, 0, OLX_GEOMETRY_POOL << 30}},           // beyond the pool's end
+                                    {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}}, // one texel's index is beyond
+                                    {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}},  // the sum of indices overflows
+                                    {{0, 0, 0, 3u << 30}}};                         // a form that is unknown
   for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++) assert_non_null(olx_geometry_check(&bad[i], 7));
   assert_null(olx_geometry_check(&(olx_geometry_block){{0, 0x66666666u, 6, OLX_GEOMETRY_POOL << 30}}, 7));
 }

@@ -19,7 +19,6 @@
 #include <cmocka.h>
 
 // --- The reflection model, integrated here on its own
-// -------------------------------------------------------------------
 
 typedef struct vector {
   double x, y, z;
@@ -218,7 +217,6 @@ static void sharpness_narrows_the_filter(void **state) {
 }
 
 // --- Parallax
-// -----------------------------------------------------------------------------------------------------------
 
 static void a_box_room_is_seen_without_parallax(void **state) {
   (void)state;
@@ -248,7 +246,6 @@ static void a_box_room_is_seen_without_parallax(void **state) {
 }
 
 // --- Fields
-// -------------------------------------------------------------------------------------------------------------
 
 static olx_scene *load(const char *name) {
   olx_scene *scene = NULL;

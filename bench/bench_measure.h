@@ -16,7 +16,7 @@ void bench_folder_remove(const bench_folder *folder);
 
 // The positions of a field's probes and the resolution of their maps.
 typedef struct bench_probes {
-  uint32_t grid[3];      // over the description's volume; 0: placed
+  uint32_t grid[3];      // number along each axis, over the description's volume; 0: placed
   const olx_grid *exact; // a given grid with as many probes instead; or NULL
   olx_place_method method;
   uint32_t count;
@@ -51,7 +51,7 @@ typedef struct bench_bake {
 typedef struct bench_field {
   olx_field *field;
   olx_field_info info;
-  double place_seconds, bake_seconds; // processor time
+  double place_seconds, bake_seconds; // processor time in seconds
   double classic_seconds;             // of bake_seconds, the share of classic maps
   double coverage;                    // coverage of placed probes (olx_place_report); 0 for a grid
   char path[4096];

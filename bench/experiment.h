@@ -15,9 +15,9 @@ typedef struct bench_options {
   const char *only;                     // names of scenes, separated by commas; NULL: all
   uint32_t size[2], spp, threads;       // 0: the experiment's default
   // Options of some experiments, for Wang's thesis.
-  uint32_t texels, field_spp, rounds; // TAKES_SIZES; 0: the experiment's default
-  const char *sets;                   // TAKES_SETS, names separated by commas; NULL: the experiment's default
-  bool brief;                         // TAKES_SHORT
+  uint32_t texels, field_spp, rounds; // options of TAKES_SIZES; 0: the experiment's default
+  const char *sets;                   // option of TAKES_SETS: names separated by commas; NULL: the experiment's default
+  bool brief;                         // option of TAKES_SHORT
 } bench_options;
 
 typedef struct bench bench;
@@ -46,23 +46,23 @@ typedef struct bench_reference_entry bench_reference_entry;
 
 struct bench {
   const bench_options *options;
-  const experiment *experiment; // the running one
-  findings found;               // its results
-  cJSON *section;               // its section of the report, or NULL
+  const experiment *experiment; // the running experiment
+  findings found;               // results of the running experiment
+  cJSON *section;               // section of the report for the experiment, or NULL
   olx_progress progress;
   bool told; // show progress
   bench_folder folder;
   uint32_t fields;                   // number of fields baked so far
-  bench_reference_entry *references; // of the whole run
+  bench_reference_entry *references; // references of the whole run
   struct {
     const char *name;
     olx_scene *scene;
-  } scenes[BENCH_SCENES]; // of this experiment
+  } scenes[BENCH_SCENES]; // scenes of the running experiment
   uint32_t scene_count;
   struct {
     void *data;
     void (*release)(void *data);
-  } shared[BENCH_SHARED]; // of the whole run
+  } shared[BENCH_SHARED]; // data of the whole run
   uint32_t shared_count;
 };
 

@@ -22,7 +22,7 @@ import sys
 RUNTIME = ["core", "block", "field", "select", "trace", "shade", "vulkan"]
 LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
 
-# The layer from which on a public header may be seen.
+# The lowest layer that may include each public header.
 PUBLIC = {"base.h": "core", "limits.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "shade",
           "octalux.h": "shade", "vulkan.h": "vulkan", "scene.h": "scene", "place.h": "place", "bake.h": "bake",
           "render.h": "render", "export.h": "export"}
@@ -42,7 +42,7 @@ LICENCE_MARKS = re.compile(r"copyright|spdx-license|all rights reserved|licensed
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK|stub|not implemented|placeholder)\b")
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(home|root|Users|work|mnt)/[A-Za-z.]")
 
-# What programs share: the headers of octalux-console in cli.
+# Headers that programs share: those of octalux-console in cli.
 CONSOLE = {"bake_options.h", "clock.h", "companion.h", "html_report.h", "options.h", "plot.h", "report.h",
            "sample_options.h", "scene_options.h", "stop.h"}
 

@@ -10,7 +10,7 @@ import re
 import sys
 
 FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
-# How WebGL2 reads data and what its language lacks, up to what Vulkan has in its place: no parity test runs there.
+# The parts of a shader for WebGL2, up to those for Vulkan in their place: no parity test runs in WebGL2.
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 

@@ -9,8 +9,8 @@ list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
-# Without these the build leaves out the Vulkan runtime or the viewer, and says so; without those of the check, the page
-# of export web.
+# Without these packages the build leaves out the Vulkan runtime or the viewer, with a message; without those of the
+# check, the page of export web.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
@@ -38,7 +38,7 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
-# missing_of PACKAGE...: those that are not installed, one a line.
+# missing_of PACKAGE...: prints those that are not installed, one a line.
 missing_of() {
   local package
   for package; do

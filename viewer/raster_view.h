@@ -7,10 +7,10 @@
 #include <octalux/vulkan.h>
 
 typedef struct raster_view {
-  float world_to_clip[16]; // columns
+  float world_to_clip[16]; // by columns
   olx_vulkan_view lit;     // the inverse, for olx_vulkan_record_*
   float near_metres;
-  olx_vec3 right, up, forward; // unit
+  olx_vec3 right, up, forward; // unit vectors
 } raster_view;
 
 // Computes the view. Returns false when the camera's eye, target and angle define none.

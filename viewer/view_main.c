@@ -32,7 +32,7 @@ typedef struct viewer {
   view_camera camera;
   view_timings timings;
   view_pick pick;
-  uint32_t size[2]; // of the image when there is no window
+  uint32_t size[2]; // size of the image when there is no window
   uint32_t frame;
   uint32_t screenshots; // number taken with the key
 } viewer;

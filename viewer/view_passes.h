@@ -41,7 +41,7 @@ typedef struct view_frame {
   const olx_field_info *field;
   const raster_view *view;
   const frame_images *images;
-  uint32_t width, height; // of the window
+  uint32_t width, height; // size of the window
   bool relit;             // a relighter changes lights
 } view_frame;
 

@@ -19,7 +19,7 @@ typedef struct view_renderer {
   olx_vulkan_field *field;
   olx_vulkan_frame *lit;                       // the host's side of Octalux's passes; NULL before the first image
   uint32_t lit_passes;                         // OLX_VULKAN_PASS_* of `lit`
-  uint32_t lit_tracers, lit_selects, lit_hits; // all that were chosen so far, as in olx_vulkan_targets
+  uint32_t lit_tracers, lit_selects, lit_hits; // all choices so far, as in olx_vulkan_targets
   rasteriser raster;
   gpu_scene object;
   view_screen screen;
@@ -33,7 +33,7 @@ typedef struct view_renderer {
   view_lights lights;
   lamp_list *lamps;
   view_relight *relight; // NULL: indirect light stays as baked
-  bool light_moves;      // in this image
+  bool light_moves;      // whether a light moves in this image
   // The state that the denoiser's history is valid for.
   uint32_t history; // length in frames
   view_state history_of;

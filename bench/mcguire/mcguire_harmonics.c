@@ -9,7 +9,7 @@
 enum { MOST_SIZES = 3, FORMS = OLX_IRRADIANCE_SH3 + 1, MOST_WAYS = MOST_SIZES * FORMS, DIRECTIONS = 1024, CAGE = 8 };
 
 typedef struct sh_scene {
-  const char *name, *camera, *dark; // dark: a camera where no light arrives; NULL
+  const char *name, *camera, *dark; // dark: a camera where no light arrives, or NULL
   uint32_t grid[3];
 } sh_scene;
 

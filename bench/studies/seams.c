@@ -68,7 +68,7 @@ static uint32_t cage_of(const olx_grid *grid, olx_vec3 at) {
   return number;
 }
 
-// What varies over a surface; negative where there is no such light.
+// Returns the light that varies over a surface; negative where there is none.
 static float value(const picture *p, olx_layer layer, uint32_t pixel) {
   const olx_vec3 light = p->image.layers[layer][pixel];
   if (layer == OLX_LAYER_INDIRECT_GLOSSY) return light.x + light.y + light.z > 0.0f ? luminance(light) : -1.0f;
@@ -130,7 +130,7 @@ static uint64_t count_broken(const olx_image *image) {
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; layer++) {
     for (size_t i = 0; image->layers[layer] && i < (size_t)image->width * image->height; i++) {
       const olx_vec3 v = image->layers[layer][i];
-      if (layer == OLX_LAYER_DEPTH) broken += !(v.x > 0.0f); // infinite where the sky is
+      if (layer == OLX_LAYER_DEPTH) broken += !(v.x > 0.0f); // infinite for the sky
       else broken += !(isfinite(v.x) && isfinite(v.y) && isfinite(v.z));
     }
   }

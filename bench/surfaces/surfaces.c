@@ -17,7 +17,7 @@ typedef struct surface_scene {
   const char *name;
   olx_result (*measure)(surface_run *r);
   const char *what;
-  bool quick; // also with --quick
+  bool quick; // measured also with --quick
 } surface_scene;
 
 static const surface_scene scenes[] = {

@@ -47,9 +47,9 @@ olx_result surface_times(const surface_run *r, const olx_field *field, double *s
 
 // Measurements of one open scene each; r->placed selects placed probes or a grid.
 olx_result surface_pictures(surface_run *r);  // also in all modes, from the camera that r->what names
-olx_result surface_all_modes(surface_run *r); // from the camera that r->what names, or from all
-olx_result surface_leak(surface_run *r);      // past the wall that r->what names
-olx_result surface_thin_wall(surface_run *r); // through it, in all modes
+olx_result surface_all_modes(surface_run *r); // all modes from the camera that r->what names, or from all cameras
+olx_result surface_leak(surface_run *r);      // light that leaks past the wall that r->what names
+olx_result surface_thin_wall(surface_run *r); // light that leaks through a thin wall, in all modes
 // Adds rows to the modes' table, from the camera of that name or, with NULL, from all.
 olx_result surface_add_modes(const surface_run *r, const olx_field *field, const char *camera);
 

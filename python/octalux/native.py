@@ -15,7 +15,7 @@ from ctypes import (CFUNCTYPE, POINTER, c_bool, c_char, c_char_p, c_double, c_fl
 from types import SimpleNamespace
 from typing import Any
 
-# Words for enumerators, in the order of their values from 0, behind what their names in C begin with.
+# For each kind of enumerator: the prefix of its names in C, and the words of its values from 0.
 ENUMERATORS = {
     "bake_light": ("OLX_LIGHT_", ("cache", "reference")),
     "bounce_gather": ("OLX_GATHER_", ("solved", "irradiance", "traced")),
@@ -265,7 +265,7 @@ class SceneHandle(Opaque):
 _field, _scene, _sample = POINTER(FieldHandle), POINTER(SceneHandle), POINTER(SampleSettings)
 _vectors, _progress, _image = POINTER(Vec3), POINTER(Progress), POINTER(Image)
 
-# Result and arguments of each function that the package calls.
+# The result and the arguments of each function that the package calls.
 RUNTIME = {
     "olx_version": (c_char_p, []),
     "olx_last_error": (c_char_p, []),

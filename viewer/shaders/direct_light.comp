@@ -125,7 +125,7 @@ struct arrival {
   vec3 direction; // towards the lamp
   vec3 irradiance; // on a surface that faces the lamp
   float distance;
-  float sine; // of the half angle that the lamp subtends
+  float sine; // sine of the half angle that the lamp subtends
 };
 
 float cone(lamp l, vec3 to_lamp) {

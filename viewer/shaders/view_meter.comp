@@ -1,9 +1,9 @@
 #version 460
-// Meters the image: the mean logarithm of its luminance over a regular lattice of pixels. Black pixels, as where
-// nothing is visible, do not count.
+// Meters the image: the mean logarithm of its luminance over a regular lattice of pixels. Black pixels, such as those
+// without a surface, do not count.
 
 #define SIDE 16
-#define PLACES 4 // per thread, along each axis
+#define PLACES 4 // pixels of a thread along each axis
 
 layout(local_size_x = SIDE, local_size_y = SIDE) in;
 

@@ -12,7 +12,7 @@ layout(set = 1, binding = VIEW_BINDING_PICK, std430) buffer pick_block { view_gp
 
 struct pixel_ray {
   vec3 origin, direction;
-  vec3 normal; // of the surface that it leaves; 0 for the eye
+  vec3 normal; // normal of the surface that the ray leaves; 0 for rays from the eye
 };
 
 vec3 unproject(ivec2 pixel, float depth) {

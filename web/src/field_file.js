@@ -90,8 +90,8 @@ function checkInfo(info) {
   need(!info.grid || info.grid.count.reduce((a, b) => a * b) === probes, 'a grid of another number of probes');
 }
 
-// Where the levels of a probe's pyramid of smallest distances begin, the finest first, and its nodes. Geometry blocks
-// take the place of the finest level where there is another.
+// Computes where the levels of a probe's pyramid of smallest distances begin, the finest first, and the number of its
+// nodes. Geometry blocks replace the finest level when there is another one.
 function pyramidOf(n, overBlocks) {
   const sides = NODE_SIDES.filter((side) => side === 4 || n >= 4 * side), first = [];
   let nodes = 0;
@@ -106,7 +106,7 @@ function pyramidOf(n, overBlocks) {
 /** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it. Throws a FieldError. */
 export function parseField(buffer) {
   const view = new DataView(buffer), chunks = readChunks(view);
-  // A chunk as an array of so many elements; `length` null: as many as there are, which may be none.
+  // Returns a chunk as an array of `length` elements; null: of any number, which may be 0.
   const array = (type, Kind, length) => {
     const chunk = chunks.get(type);
     need(chunk, `chunk ${type} is missing`);
@@ -156,7 +156,7 @@ export function parseField(buffer) {
   return field;
 }
 
-// Shaders trust counts of bricks and of the volume: lists that they name lie within the chunk.
+// Checks counts of bricks and of the volume, which shaders trust: every list must be inside its chunk.
 function checkParts({ bricks, volume, tiles, lights, planes, info }) {
   need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
   need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: MIT
 import { LIBRARY } from './library.js';
 
-// Glossy light is added where depths are equal, by another shader than drew them.
+// Glossy light is added where depths are equal, although another shader drew them, so positions must be invariant.
 const VERTEX_DECLARATIONS = 'invariant gl_Position;\nvarying vec3 olx_world_position;\n';
 
 const VERTEX = `

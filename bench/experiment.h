@@ -77,32 +77,32 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 // Prints the current step on standard error.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Data that several experiments of a run share, identified by its release function: zeroed on first use. When the run
-// ends, `release` frees what the data refers to, but not the data itself. NULL when memory runs out.
+// Returns data that several experiments of a run share, identified by its release function: zeroed on first use. When
+// the run ends, `release` frees what the data refers to, but not the data itself. Returns NULL when memory runs out.
 void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
 
 // Loads "builtin:NAME", or the description NAME in the folder of scenes. *scene is NULL when its files are missing,
 // which the findings then report. The scene lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
-// Whether --quick skips the scene; the findings then report it.
+// Returns whether --quick skips the scene; the findings then report it.
 bool bench_leaves_out(bench *b, const char *name);
-// Whether --only names the scene, or is not given.
+// Returns whether --only names the scene, or is not given.
 bool bench_names(const bench_options *o, const char *title);
-// The title of a scene, such as "pillars" for "builtin:pillars".
+// Returns the title of a scene, such as "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);
 
-// Settings of references and of images from fields, with sizes and samples by the command line or --quick. All
+// Returns settings of references and of images from fields, with sizes and samples by the command line or --quick. All
 // experiments of a run use these by default, so that references are shared.
 olx_render_settings bench_path_settings(const bench *b);
 olx_render_settings bench_field_settings(const bench *b);
 uint32_t bench_bounces(const bench *b); // bounces after direct light, of fields; references have one more
 uint32_t bench_spp(const bench *b);     // camera samples per pixel of images from fields
 
-// A reference path traced from these cameras with this many bounces; computed once per run, which owns it.
+// Path traces a reference from these cameras with this many bounces, once per run, which owns it.
 olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                            const olx_render_settings *settings, uint32_t bounces, bench_images **references);
 
-// Default settings for baking a field: fine, or rough with --quick.
+// Returns default settings for baking a field: fine, or rough with --quick.
 bench_bake bench_bake_settings(const bench *b, bool classic);
 // Places, bakes and opens a field. Must be closed by bench_field_close, also after a failure.
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,

@@ -23,10 +23,10 @@ typedef struct analytic_hit {
 
 analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 
-// Radiance by which places can be told apart: positive, smooth in position, different on each side of a box.
+// Radiance that identifies a place: positive, smooth in position, different on each side of a box.
 olx_vec3 analytic_radiance(olx_vec3 position, olx_vec3 normal);
 
-// Reflectance from 0.2 to 0.8 by which places can be told apart.
+// Reflectance from 0.2 to 0.8 that identifies a place.
 olx_vec3 analytic_albedo(olx_vec3 position, olx_vec3 normal);
 
 // Makes every map of a grid of probes. Surfaces are Lambertian with analytic_albedo, with indirect light of pi *

@@ -1,4 +1,4 @@
-// Making small glTF files piece by piece.
+// Makes small glTF files piece by piece.
 #ifndef OLX_TESTS_GLTF_MAKER_H
 #define OLX_TESTS_GLTF_MAKER_H
 

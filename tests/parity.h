@@ -122,7 +122,7 @@ typedef struct parity_suite {
   const parity_row *rows;
   uint32_t row_count;
   const parity_code *codes;
-  uint32_t code_count;       // at most PARITY_MOST_CODES
+  uint32_t code_count;       // number of codes, at most PARITY_MOST_CODES
   const parity_range *rooms; // PARITY_ROOMS ranges: the rows to compare in each room
 } parity_suite;
 

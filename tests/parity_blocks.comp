@@ -10,7 +10,7 @@ layout(push_constant) uniform row_block { uint row; };
 struct block_item {
   uvec4 block;
   uvec4 pooled; // the code of a plane, and a texel
-  uvec4 place;  // n, x, y
+  uvec4 place; // x: n; yz: position of the block
   vec4 point;
 };
 layout(set = 0, binding = 0, std430) readonly buffer items_block { block_item items[]; };

@@ -6,9 +6,9 @@
 
 #include <octalux/place.h>
 
-// Settings that take a fraction of a second.
+// Return settings that take a fraction of a second.
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method);
-// Quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
+// Return quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
 olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method);
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings);
 olx_scene *load(const char *name);

@@ -1,5 +1,5 @@
-// Writes small field files that are valid throughout but whose maps are made up, for tests of files and of what reads
-// them.
+// Writes small field files that are valid throughout but whose maps are made up, for tests of files and of their
+// readers.
 #include "synthetic_field.h"
 
 #include "bake/selectors.h"
@@ -216,7 +216,7 @@ static olx_result write_classic(olx_field_writer *writer, const synthetic_shape 
   return result;
 }
 
-// ---- What relighting needs
+// ---- Relighting data
 
 static olx_vec3 some_direction(uint32_t random) {
   return olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});

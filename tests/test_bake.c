@@ -329,7 +329,7 @@ static void distances_are_those_of_the_box(void **state) {
   // Towards the wall straight ahead the lobe sees distances r / cos; their mean over cos^e is r (e + 1) / e, that of
   // their squares r^2 (e + 1) / (e - 1).
   const float e = OLX_MOMENTS_EXPONENT, r = 2.0f - 0.9f;
-  const size_t centre = texel_at(field->irradiance_stride, 64, 127); // towards +z, where v = 1
+  const size_t centre = texel_at(field->irradiance_stride, 64, 127); // the texel towards +z, where v = 1
   const uint32_t packed = field->moments[centre];
   assert_float_equal(olx_half_unpack((uint16_t)packed) * scale, r * (e + 1.0f) / e, 0.005f * r);
   assert_float_equal(olx_half_unpack((uint16_t)(packed >> 16)) * scale * scale, r * r * (e + 1.0f) / (e - 1.0f),

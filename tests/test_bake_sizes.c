@@ -145,7 +145,7 @@ static void blocks_have_their_size(void **state) {
   olx_scene_free(scene);
 }
 
-// `place` says before the bake how large the field will be, and `bake` says the same.
+// Before the bake, `place` reports the size of the field, and `bake` reports the same size.
 static void place_and_bake_expect_the_same_file(void **state) {
   const scene_folder *folder = *state;
   char path[512];

@@ -117,7 +117,7 @@ static void one_plane_is_exact(void **state) {
   }
 }
 
-// A silhouette: a near plane before a far one, divided by a line across the block.
+// A block shows a silhouette: a near plane before a far one, divided by a line across the block.
 static void two_planes_keep_their_texels(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
@@ -178,7 +178,7 @@ static void finer_surfaces_go_to_the_pool(void **state) {
   }
 }
 
-// Spheres of many sizes, of which texels see patches from flat to whole.
+// Spheres have many sizes, so that texels see patches from nearly flat to a whole sphere.
 static void curved_surfaces_keep_to_the_tolerance(void **state) {
   (void)state;
   uint32_t pooled = 0;
@@ -279,7 +279,7 @@ static void bounds_hold_all_that_is_decoded(void **state) {
   }
 }
 
-// --- What must do no harm
+// --- Invalid blocks and texels
 
 static void any_bits_decode(void **state) {
   (void)state;

@@ -235,7 +235,7 @@ static void the_lobes_reflectance_is_its_integral(void **state) {
   }
 }
 
-// Base colours reach 0.95 at most: importers clamp them.
+// Base colours are at most 0.95, since importers clamp them.
 static void no_surface_sends_out_more_than_it_gets(void **state) {
   (void)state;
   for (uint32_t r = 0; r < ROUGHNESS_COUNT; r++) {

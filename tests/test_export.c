@@ -1,4 +1,5 @@
-// Tests exports of made-up fields: which maps a field has, and what is refused before anything is written.
+// Tests exports of made-up fields: which maps a field has, and that impossible exports are refused before anything is
+// written.
 #include "field_fixture.h"
 
 #include "core/hooks.h"

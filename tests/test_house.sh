@@ -153,7 +153,7 @@ for test in json.load(open(sys.argv[1]))["tests"]:
 PYTHON
 fi
 
-# The gate's last line and exit status are those of the check, whoever runs it.
+# The gate's last line and exit status are those of the check, whatever runs it.
 mkdir -p "$work"/gate/{.ci,scripts}
 cp "$OCTALUX_SOURCE_DIR/.ci/run" "$work/gate/.ci"
 cp "$OCTALUX_SOURCE_DIR/Makefile" "$work/gate"

@@ -393,7 +393,8 @@ static void test_spoilt_trees_are_refused(void **state) {
   assert_int_equal(olx_octree_verify(field), OLX_ERROR_FORMAT);
   header->levels = LEVELS;
 
-  // Nodes: cycles to the root, to itself and to before, beyond the end, shared children, leaves out of range and order.
+  // Invalid nodes: cycles to the root, to itself and to earlier nodes, children beyond the end, shared children, leaves
+  // out of range and order.
   const uint32_t values[] = {0,
                              1,
                              2,

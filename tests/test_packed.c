@@ -103,7 +103,7 @@ static void test_filters_are_undone(void **state) {
 static void test_filters_are_as_documented(void **state) {
   (void)state;
   uint8_t room[8];
-  // Red 1, green 2 * 5 + 1, blue 2 * 7, exponent 17.
+  // The colour has red 1, green 2 * 5 + 1, blue 2 * 7, exponent 17.
   uint32_t color = 1u | 11u << 9 | 14u << 18 | 17u << 27;
   olx_filter_apply(OLX_FILTER_COLORS, 4, (uint8_t *)&color, room, 4);
   assert_int_equal(color, 0u | 5u << 8 | 7u << 16 | (17u | 0xC0u) << 24);

@@ -72,7 +72,7 @@ static void guided_rays_find_the_same_mean_with_less_variance(void **state) {
   assert_float_equal((float)ratio, pool.spread, 0.2f * pool.spread);
 }
 
-// Rays fall into each bin as often as its density says.
+// Rays fall into each bin as often as its density predicts.
 static void rays_follow_the_density(void **state) {
   (void)state;
   const olx_ray_pool pool = learn(corner_light);

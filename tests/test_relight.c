@@ -393,7 +393,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- What must be refused
+// ---- Refusals
 
 static void test_refuses_settings_and_lights(void **state) {
   const scene_folder *folder = *state;

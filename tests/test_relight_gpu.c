@@ -324,7 +324,7 @@ static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
-// ---- What cannot be
+// ---- Refusals
 
 static void what_does_not_fit_is_refused(void **unused) {
   (void)unused;

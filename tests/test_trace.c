@@ -1,4 +1,4 @@
-// Tests rays through analytic fields, whose answers are known.
+// Tests rays through analytic fields, for which the correct hits are known.
 #include "analytic_field.h"
 
 #include "core/sampling.h"

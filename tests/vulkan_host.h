@@ -48,7 +48,7 @@ typedef struct host_images {
   gpu_device *device;
   uint32_t width, height;
   gpu_buffer staging;
-  gpu_image inputs[HOST_INPUTS], outputs[HOST_OUTPUTS]; // outputs: irradiance, glossy, color
+  gpu_image inputs[HOST_INPUTS], outputs[HOST_OUTPUTS]; // outputs are irradiance, glossy light and color
   olx_vulkan_targets targets;
 } host_images;
 

@@ -59,7 +59,7 @@ static bool load_cameras(viewer *v) {
   return true;
 }
 
-// A radius of balls that leaves most of the space between probes free.
+// Returns a radius of balls that leaves most of the space between probes free.
 static float fit_ball(const olx_field_info *field, float diagonal) {
   if (!field->has_grid) return 0.012f * diagonal;
   const float spacing[3] = {field->grid.spacing.x, field->grid.spacing.y, field->grid.spacing.z};

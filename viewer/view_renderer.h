@@ -52,7 +52,7 @@ bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_
 bool view_renderer_relight(view_renderer *renderer, const olx_scene *scene, const olx_field *field, bool in_step);
 void view_renderer_destroy(view_renderer *renderer);
 
-// Number of pixels that are lit for an image of a size.
+// Computes the number of pixels that are lit for an image of a size.
 void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uint32_t lit_size[2]);
 
 // The destination of a frame.
@@ -63,7 +63,7 @@ typedef struct view_output {
   const char *screenshot; // NULL: none
 } view_output;
 
-// Whether all shaders of a state are compiled; otherwise view_renderer_draw compiles them first, which may take
+// Returns whether all shaders of a state are compiled; otherwise view_renderer_draw compiles them first, which may take
 // seconds.
 bool view_renderer_is_ready(const view_renderer *renderer, const view_state *state);
 

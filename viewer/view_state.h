@@ -37,7 +37,7 @@ typedef enum view_overlay {
   VIEW_MAP,              // the octahedral map of a probe, and the image of the picked pixel's ray in it (Figure 4)
   VIEW_OVERLAYS
 } view_overlay;
-// Whether a field has the data that an overlay shows.
+// Returns whether a field has the data that an overlay shows.
 static inline bool view_has_overlay(const olx_field_info *field, uint32_t overlay) {
   const bool of_probe_light = overlay == VIEW_PROBE_IRRADIANCE || overlay == VIEW_WEIGHTS;
   return !of_probe_light || field->irradiance_probe_count > 0;
@@ -48,10 +48,10 @@ static inline bool view_has_overlay(const olx_field_info *field, uint32_t overla
 #define VIEW_HITS_WORDS "shaded|stored"
 #define VIEW_SELECT_WORDS "cage|voronoi|octree|bricks|exhaustive|best"
 
-// The word at an index of a list like those above, formatted for display.
+// Formats the word at an index of a list like those above for display.
 void view_word(const char *words, uint32_t index, char *word, size_t size);
 
-// Whether rays find the emitters in a mode.
+// Returns whether rays find the emitters in a mode.
 static inline bool view_meets_emitters(uint32_t mode, bool emitters) {
   return emitters && (mode == VIEW_DENOISED || mode == VIEW_GATHER);
 }

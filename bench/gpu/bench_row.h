@@ -21,7 +21,7 @@ typedef struct bench_row {
   double paper_diffuse, paper_glossy; // milliseconds in McGuire et al. 2017, Table 1; below 0: not published
 } bench_row;
 
-// The rows of the paper's table, NULL past the last.
+// Returns a row of the paper's table, NULL past the last.
 const bench_row *bench_row_at(uint32_t index);
 
 typedef enum bench_part {
@@ -45,7 +45,7 @@ typedef enum bench_part {
 
 const char *bench_part_name(bench_part part);
 
-// Least bytes per pixel that a pass must read and write in the frame's images.
+// Returns the least bytes per pixel that a pass must read and write in the frame's images.
 uint32_t bench_part_bytes(bench_part part);
 
 enum { BENCH_OLD = 0, BENCH_NEW, BENCH_PAIR }; // two-level + cage, hi-Z + bricks

@@ -193,7 +193,7 @@ typedef struct spots {
   uint32_t count;
 } spots;
 
-// The ball's positions that count: within playable space, or the bounds.
+// Returns the ball's positions that count: within playable space, or the bounds.
 static spots list_places(const lattice *l, const olx_box *box) {
   const size_t total = (size_t)l->count[0] * l->count[1] * l->count[2];
   spots s = {.places = take(total, sizeof *s.places)};

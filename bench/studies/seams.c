@@ -55,7 +55,7 @@ static olx_vec3 position(const picture *p, uint32_t pixel) {
   return along(p->eye, way, p->image.layers[OLX_LAYER_DEPTH][pixel].x);
 }
 
-// The number of the cage that a point lies in; points beyond the grid belong to its outermost cages.
+// Returns the number of the cage that a point lies in; points beyond the grid belong to its outermost cages.
 static uint32_t cage_of(const olx_grid *grid, olx_vec3 at) {
   const float offset[3] = {at.x - grid->origin.x, at.y - grid->origin.y, at.z - grid->origin.z};
   const float spacing[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
@@ -79,7 +79,7 @@ static float value(const picture *p, olx_layer layer, uint32_t pixel) {
 
 static bool alike(float a, float b) { return fabsf(a - b) <= 0.1f * fmaxf(a, b); }
 
-// Whether four pixels show one flat piece of surface, of one material.
+// Returns whether four pixels show one flat piece of surface, of one material.
 static bool one_surface(const picture *p, const uint32_t pixels[4], const olx_vec3 at[4]) {
   const olx_vec3 normal = p->image.layers[OLX_LAYER_NORMAL][pixels[1]];
   const olx_vec3 color = p->image.layers[OLX_LAYER_ALBEDO][pixels[1]];

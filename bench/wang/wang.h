@@ -32,7 +32,7 @@ typedef struct wang_scene {
 enum { WANG_SCENES = 3, WANG_ROWS = 48, WANG_ROUNDS = 1000 };
 extern const wang_scene wang_scenes[WANG_SCENES];
 
-// Names of scenes for --only, NULL after the last.
+// Returns the name of a scene for --only, NULL after the last.
 const char *wang_scene_name(uint32_t index);
 
 #endif

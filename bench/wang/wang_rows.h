@@ -30,7 +30,7 @@ olx_result wang_time_rows(const wang_view *view, wang_measured *t);
 // Closes the fields; what was measured of them is kept.
 void wang_close_sets(wang_measured *t);
 
-// The name of a row's set of probes, such as "16 sdf + gibbs".
+// Returns the name of a row's set of probes, such as "16 sdf + gibbs".
 bench_name wang_row_name(const wang_measured_row *row);
 
 #endif

@@ -12,7 +12,7 @@ olx_result wang_study_scene(bench *b, uint32_t scene, uint32_t parts, bool serie
 // Shows images of some rows of a scene, from its cameras, beside the references.
 olx_result wang_study_show(bench *b, uint32_t scene, const uint32_t *rows, uint32_t count, olx_layer layer);
 
-// The name of a tracer: "texel", "two-level", "hiz".
+// Returns the name of a tracer: "texel", "two-level", "hiz".
 const char *wang_tracer_name(olx_tracer tracer);
 
 #endif

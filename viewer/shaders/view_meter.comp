@@ -17,7 +17,7 @@ const float BLACK = 1e-5;
 
 shared vec2 sums[SIDE * SIDE];
 
-// x: the logarithm to base 2; y: whether the pixel counts.
+// Returns the logarithm to base 2 of a pixel's luminance in x, and in y whether the pixel counts.
 vec2 look(ivec2 place) {
   vec3 c = imageLoad(light, place).rgb;
   float luminance = dot(c, vec3(0.2126, 0.7152, 0.0722));

@@ -20,8 +20,8 @@ check_report "octalux compare a.exr b.exr" 1 a.exr b.exr
 cmp r.html again.html || fail "a report is not the same twice"
 check_report "octalux compare a.exr b.exr --exposure 0.25 --layer beauty" 0.25 a.exr b.exr --exposure 0.25 --layer beauty
 
-# The names of this folder and file would end a script, begin a tag, close an attribute and fill in a placeholder of the
-# page.
+# The names of this folder and file would end a script, begin a tag, close an attribute and replace a mark of the page's
+# template.
 mkdir 'x<'
 hostile="x</script><img src=y>&amp;\"'{{data}} é.exr"
 cp a.exr "$hostile"

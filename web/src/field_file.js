@@ -106,7 +106,7 @@ function pyramidOf(n, overBlocks) {
 /** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it. Throws a FieldError. */
 export function parseField(buffer) {
   const view = new DataView(buffer), chunks = readChunks(view);
-  // Returns a chunk as an array of `length` elements; null: of any number, which may be 0.
+  // Returns a chunk as an array of `length` elements; with null, of as many as the chunk has, which may be 0.
   const array = (type, Kind, length) => {
     const chunk = chunks.get(type);
     need(chunk, `chunk ${type} is missing`);

@@ -74,7 +74,7 @@ pack() {
 bake() {
   local dir=$1 row scene source size grid
   shift
-  libraries=$(mktemp -d) # not local: it goes away with the script
+  libraries=$(mktemp -d) # not local, since the script removes it at its end
   trap 'rm -rf "$libraries"' EXIT
   for library in "$dir"/bin/lib/*.gz; do gunzip -c "$library" >"$libraries/$(basename "$library" .gz)"; done
   chosen "$@" | while read -r row scene source size grid; do

@@ -21,7 +21,7 @@ cd "$work"
 
 code=0
 "$embed" field.olx recorded.exr --size 120x90 --validate || code=$?
-if [ "$code" = 77 ]; then exit 77; fi # it has said why
+if [ "$code" = 77 ]; then exit 77; fi # the example has printed the reason
 [ "$code" = 0 ] || { echo "embed_vulkan: exit code $code" >&2; exit 1; }
 "$embed" field.olx own.exr --size 120x90 --validate --own-shader
 "$embed" field.olx picture.png --size 120x90

@@ -18,14 +18,14 @@ case $list in
     needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       dpkg-dev # finds which packages a package depends on
       gltfpack # makes compressed models to read
-      nodejs lld glslang-tools # the package for browsers and the page of export web, their decoder and shaders
-      mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
+      nodejs lld glslang-tools # for the browser package and the page of export web, with their decoder and shaders
+      mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device, its layers, and a display
       "${wanted[@]}")
-    command -v npm >/dev/null || needed+=(npm) # packages of nodejs from elsewhere hold it, and conflict with Debian's
+    command -v npm >/dev/null || needed+=(npm) # other sources' nodejs contains npm, and excludes Debian's
     wanted=()
-    [ "$list" != soak ] || needed+=(mmdebstrap) # a system to install packages on
-    [ "$list" != full ] || needed+=(chromium # looks at reports
-      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # other machines and C libraries
+    [ "$list" != soak ] || needed+=(mmdebstrap) # makes a bare system to install packages on
+    [ "$list" != full ] || needed+=(chromium # shows reports
+      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # for builds for other machines and C libraries
     ;;
   *)
     echo "install-packages: '$list' is not one of build, check, full, soak" >&2

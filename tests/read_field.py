@@ -116,7 +116,7 @@ SHAPES = {
     "DIR6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
     "IND6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
     "EMIS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
-    "LITE": lambda d: (64, 1, None),  # as many records as there are
+    "LITE": lambda d: (64, 1, None),  # any number of records
     "ETIL": lambda d: (4, 64, None),
 }
 
@@ -305,7 +305,7 @@ def record(chunks, name, probe, kind=None):
     return codes
 
 
-PLANE_MISS = 1.2  # a quarter of a footprint, which is up to 4.6 / n of the distance
+PLANE_MISS = 1.2  # bounds a quarter of a footprint, which is up to 4.6 / n of the distance
 
 
 def inside_scene(d, position, out, metres, off):

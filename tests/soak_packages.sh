@@ -19,7 +19,7 @@ set -eux
 export DEBIAN_FRONTEND=noninteractive
 cd /files
 apt-get -q update
-apt-get -q -y --simulate --install-recommends install ./*.deb >recommended.txt # what comes along can all be had
+apt-get -q -y --simulate --install-recommends install ./*.deb >recommended.txt # all recommended packages are available
 grep 'Inst libembree-dev' recommended.txt || { cat recommended.txt; exit 1; }
 apt-get -q -y --no-install-recommends install ./*.deb
 cd /tmp

@@ -18,7 +18,7 @@ done
 for map in emission classic_radiance_0 classic_radiance_1 classic_radiance_2 classic_radiance_3 classic_radiance_4 volume_irradiance; do
   expect_json "o['map'] == '$map'" export exr all.olx --map $map -o other.exr
 done
-expect 0 compare radiance.exr radiance.exr # any tool that reads EXR reads them
+expect 0 compare radiance.exr radiance.exr # exported maps are valid EXR files
 
 # Other projections are exported at their default sizes and at another size.
 for projection in latlong cube; do
@@ -72,7 +72,7 @@ grep -q '"translation":\[[0-9]*[1-9]' far.gltf || fail "a model of a scene far a
 expect 0 export gltf all.olx -o all.gltf
 grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole and .* divided$" stdout.txt || fail "export says what it wrote"
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
-expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
+expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # our own importer reads the model, including its octahedra
 
 # export web writes the scene, the field and the page when the program's web page is beside it; without it, the message
 # says that it is missing.

@@ -21,7 +21,7 @@ expect_json 'o["output"] == "b.olxz" and o["packed_bytes"] < o["field_bytes"] ==
 cmp a.olxz b.olxz || fail "the bytes depend on threads"
 expect 0 pack a.olx -o fast.olxz --level 1
 [ "$(stat -c %s fast.olxz)" -gt "$(stat -c %s a.olxz)" ] || fail "level 1 packs as small as level 19"
-expect 0 pack a.olx -o b.olxz # replaces
+expect 0 pack a.olx -o b.olxz # replaces an existing file
 expect_json 'o["output"] == "b.olx" and o["field_bytes"] == '"$(stat -c %s a.olx)" unpack fast.olxz -o b.olx
 cmp b.olx original.olx || fail "level 1 lost something"
 cp a.olx plain

@@ -1,7 +1,7 @@
 # render --relight: a field follows the lights of a changed scene, on the CPU and on a Vulkan device (a CPU device will
 # do).
 source "$(dirname "$0")/cli/expect.sh"
-export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # as in test_cli_vulkan.sh
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # leaks of drivers cannot be named, as in test_cli_vulkan.sh
 
 lamp() {
   printf '{"model": "builtin:cornell", "lights": [{"type": "point", "position": %s, "intensity": [0.4, 0.3, 0.5]}]}' "$1" >"$2"

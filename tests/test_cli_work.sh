@@ -56,7 +56,7 @@ for file in whole/*; do
   *) expect 0 bake "${scene[@]}" -o again.olx --work damaged --keep-work
      cmp -s again.olx whole.olx || fail "$name: another field after damage" ;;
   esac
-  case $name in # what joining reads
+  case $name in # the files that `join` reads
   manifest* | plan* | facts* | volume* | probe*)
     rm -rf damaged
     cp -rp whole damaged

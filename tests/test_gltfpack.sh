@@ -20,7 +20,7 @@ check() {
   local packed=$1
   shift
   gltfpack -i "$model" -o "$packed" "$@" >/dev/null
-  rm -f "${packed%.*}.fallback.bin" # nobody needs it who can decompress
+  rm -f "${packed%.*}.fallback.bin" # readers that can decompress need no fallback
   draw "$packed" "$work/packed.exr"
   for limit in albedo:1e-3 normal:2e-4 depth:1e-5; do
     "$OCTALUX" compare "$work/packed.exr" "$work/plain.exr" --layer "${limit%:*}" --json |

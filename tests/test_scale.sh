@@ -21,7 +21,7 @@ Ns 200
 END
 
 # box writes a box of six quads between two corners; the quads' winding does not matter.
-box() { # x0 y0 z0 x1 y1 z1
+box() { # X0 Y0 Z0 X1 Y1 Z1
   echo "v $1 $2 $3
 v $4 $2 $3
 v $4 $5 $3
@@ -44,7 +44,7 @@ f -7 -6 -2 -3"; }
   echo "usemtl shiny"; box 2.4 0 2.6 3.3 0.8 3.5; faces
 } > "$work/room.obj"
 
-describe() { # scale
+describe() { # SCALE
   awk -v s="$1" 'function v(x, y, z) { return sprintf("[%.9g, %.9g, %.9g]", x * s, y * s, z * s) }
     BEGIN {
       printf "{\"model\": \"room.obj\", \"scale\": %.9g,\n", s

@@ -7,7 +7,7 @@ bench=$(dirname "$OCTALUX")/octalux-bench-gpu
 chip=${OLX_CHIP:-navi21}
 tests=$OCTALUX_SOURCE_DIR/tests
 [ -x "$bench" ] || { echo "skipped: built without Vulkan"; exit 77; }
-export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # drivers keep things that cannot be told by name
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # allocations that drivers keep cannot be named
 
 "$OCTALUX" bake builtin:cornell-glossy -o tiny.olx --grid 2x2x2 --irradiance-grid 2x2x2 --radiance-size 16 --irradiance-size 16 \
   --select cage,bricks,voronoi --relight --classic --classic-size 32 --samples 1 --bounces 0 >/dev/null || fail "bake"

@@ -165,7 +165,7 @@ for shot in denoised gathered; do
 done
 check 'mean(p[0]) < 0.5 * mean(p[1])' no-light.png plain.png
 check 'differing(p[0], p[1]) > 0.004' ball.png ball-left.png
-check 'differing(p[0], p[1]) > 0.001' ball-left.png chrome-left.png # another finish
+check 'differing(p[0], p[1]) > 0.001' ball-left.png chrome-left.png # the ball has another finish
 check 'differing(p[0], p[1]) > 0.004' chrome-left.png no-ball.png
 check 'mean(p[0]) > 1.2 * mean(p[1])' bright.png plain.png
 check 'p[0].width == 48 and p[0].height == 60 and not uniform(p[0])' small.png

@@ -425,7 +425,7 @@ class Watch:
     def _report(self, _user: Any, stage: bytes, done: float) -> bool:
         try:
             return self.function is None or self.function(stage.decode(), done) is not False
-        except BaseException as error:  # it comes up again once the call has ended
+        except BaseException as error:  # raised again once the call has returned
             self.raised = error
             return False
 

@@ -11,7 +11,7 @@ const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA 
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
 
-/** What is wrong with a file that is no field, or one that this reader cannot use. */
+/** The error for a file that is no field, or one that this reader cannot use. */
 export class FieldError extends Error {
   constructor(message) {
     super(message);

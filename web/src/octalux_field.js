@@ -22,7 +22,7 @@ function selectorOf(mask) {
   return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
 }
 
-// Reads the body of a response as one buffer; `onProgress` receives the bytes loaded and their total.
+// Reads the body of a response as one buffer; `onProgress` receives the number of bytes loaded, and their total as far as it is known.
 async function readBody(response, onProgress) {
   const total = Number(response.headers.get('content-length')) || 0, parts = [];
   let loaded = 0;
@@ -84,7 +84,7 @@ export class OctaluxField {
     return new OctaluxField(parsed, await fieldUniforms(parsed, renderer));
   }
 
-  /** Where the field's origin lies in the world. */
+  /** Position of the field's origin in the world. */
   get offset() {
     return this.uniforms.olx_offset.value;
   }

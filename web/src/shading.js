@@ -113,7 +113,7 @@ function replaceOnce(text, chunk, replacement) {
   return parts.join(replacement);
 }
 
-/** Changes the shader of a standard or physical material, as onBeforeCompile gives it. */
+/** Changes the shader of a standard or physical material, which onBeforeCompile receives. */
 export function patchShader(shader, uniforms, { defines, moving, part }) {
   Object.assign(shader.uniforms, uniforms);
   const define = (name, wanted) => (wanted ? `#define ${name}\n` : '');

@@ -22,7 +22,8 @@ function selectorOf(mask) {
   return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
 }
 
-// Reads the body of a response as one buffer; `onProgress` receives the number of bytes loaded, and their total as far as it is known.
+// Reads the body of a response as one buffer; `onProgress` receives the number of bytes loaded, and their total as far
+// as it is known.
 async function readBody(response, onProgress) {
   const total = Number(response.headers.get('content-length')) || 0, parts = [];
   let loaded = 0;

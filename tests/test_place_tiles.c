@@ -54,7 +54,7 @@ static olx_place_settings hall_settings(const olx_scene *scene) {
   return settings;
 }
 
-// Fills a random share of voxels with triangles, so that space is full of caves.
+// Scatters 400 large parallelograms in a cube of 20 m, so that space is full of caves.
 static olx_scene *load_caves(uint32_t seed) {
   olx_scene *scene = made_scene();
   const uint32_t material = matte(scene);

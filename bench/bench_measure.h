@@ -16,7 +16,7 @@ void bench_folder_remove(const bench_folder *folder);
 
 // The positions of a field's probes and the resolution of their maps.
 typedef struct bench_probes {
-  uint32_t grid[3];      // over the description's volume; 0: placed
+  uint32_t grid[3];      // number along each axis, over the description's volume; 0: placed
   const olx_grid *exact; // a given grid with as many probes instead; or NULL
   olx_place_method method;
   uint32_t count;
@@ -51,7 +51,7 @@ typedef struct bench_bake {
 typedef struct bench_field {
   olx_field *field;
   olx_field_info info;
-  double place_seconds, bake_seconds; // processor time
+  double place_seconds, bake_seconds; // processor time in seconds
   double classic_seconds;             // of bake_seconds, the share of classic maps
   double coverage;                    // coverage of placed probes (olx_place_report); 0 for a grid
   char path[4096];
@@ -92,7 +92,8 @@ typedef struct bench_way {
 olx_result bench_images_render(const olx_scene *scene, const olx_camera *cameras, uint32_t count, const bench_way *way,
                                uint32_t stream, const olx_progress *progress, bench_images *images);
 void bench_images_free(bench_images *images);
-// The image of a camera: the mean of both halves, or the first of two frames. NULL when memory runs out.
+// Returns the image of a camera: the mean of both halves, or the first of two frames. Returns NULL when memory runs
+// out.
 const olx_image *bench_images_mean(bench_images *images, uint32_t camera);
 
 // The light that is compared: a layer, or the sum of both indirect ones.
@@ -109,8 +110,8 @@ typedef struct bench_error {
   double mean, reference_mean;
 } bench_error;
 
-// The error of one camera, or of all with camera = BENCH_CAMERAS. The error of all indirect light is that of the final
-// image where both take direct light from the same estimator.
+// Returns the error of one camera, or of all with camera = BENCH_CAMERAS. The error of all indirect light is that of
+// the final image where both take direct light from the same estimator.
 bench_error bench_error_of(const bench_images *images, const bench_images *references, bench_light light,
                            uint32_t camera);
 

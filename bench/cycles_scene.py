@@ -465,7 +465,7 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except Exception:  # Blender would go on and leave with 0.
+    except Exception:  # Blender would continue, and exit with 0.
         import traceback
         traceback.print_exc()
         sys.exit(1)

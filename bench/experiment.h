@@ -15,9 +15,9 @@ typedef struct bench_options {
   const char *only;                     // names of scenes, separated by commas; NULL: all
   uint32_t size[2], spp, threads;       // 0: the experiment's default
   // Options of some experiments, for Wang's thesis.
-  uint32_t texels, field_spp, rounds; // TAKES_SIZES; 0: the experiment's default
-  const char *sets;                   // TAKES_SETS, names separated by commas; NULL: the experiment's default
-  bool brief;                         // TAKES_SHORT
+  uint32_t texels, field_spp, rounds; // options of TAKES_SIZES; 0: the experiment's default
+  const char *sets;                   // option of TAKES_SETS: names separated by commas; NULL: the experiment's default
+  bool brief;                         // option of TAKES_SHORT
 } bench_options;
 
 typedef struct bench bench;
@@ -46,23 +46,23 @@ typedef struct bench_reference_entry bench_reference_entry;
 
 struct bench {
   const bench_options *options;
-  const experiment *experiment; // the running one
-  findings found;               // its results
-  cJSON *section;               // its section of the report, or NULL
+  const experiment *experiment; // the running experiment
+  findings found;               // results of the running experiment
+  cJSON *section;               // section of the report for the experiment, or NULL
   olx_progress progress;
   bool told; // show progress
   bench_folder folder;
   uint32_t fields;                   // number of fields baked so far
-  bench_reference_entry *references; // of the whole run
+  bench_reference_entry *references; // references of the whole run
   struct {
     const char *name;
     olx_scene *scene;
-  } scenes[BENCH_SCENES]; // of this experiment
+  } scenes[BENCH_SCENES]; // scenes of the running experiment
   uint32_t scene_count;
   struct {
     void *data;
     void (*release)(void *data);
-  } shared[BENCH_SHARED]; // of the whole run
+  } shared[BENCH_SHARED]; // data of the whole run
   uint32_t shared_count;
 };
 
@@ -77,32 +77,32 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 // Prints the current step on standard error.
 void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// Data that several experiments of a run share, identified by its release function: zeroed on first use. When the run
-// ends, `release` frees what the data refers to, but not the data itself. NULL when memory runs out.
+// Returns data that several experiments of a run share, identified by its release function: zeroed on first use. When
+// the run ends, `release` frees what the data refers to, but not the data itself. Returns NULL when memory runs out.
 void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
 
 // Loads "builtin:NAME", or the description NAME in the folder of scenes. *scene is NULL when its files are missing,
 // which the findings then report. The scene lives until the experiment ends.
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
-// Whether --quick skips the scene; the findings then report it.
+// Returns whether --quick skips the scene; the findings then report it.
 bool bench_leaves_out(bench *b, const char *name);
-// Whether --only names the scene, or is not given.
+// Returns whether --only names the scene, or is not given.
 bool bench_names(const bench_options *o, const char *title);
-// The title of a scene, such as "pillars" for "builtin:pillars".
+// Returns the title of a scene, such as "pillars" for "builtin:pillars".
 const char *bench_scene_title(const char *name);
 
-// Settings of references and of images from fields, with sizes and samples by the command line or --quick. All
+// Returns settings of references and of images from fields, with sizes and samples by the command line or --quick. All
 // experiments of a run use these by default, so that references are shared.
 olx_render_settings bench_path_settings(const bench *b);
 olx_render_settings bench_field_settings(const bench *b);
 uint32_t bench_bounces(const bench *b); // bounces after direct light, of fields; references have one more
 uint32_t bench_spp(const bench *b);     // camera samples per pixel of images from fields
 
-// A reference path traced from these cameras with this many bounces; computed once per run, which owns it.
+// Path traces a reference from these cameras with this many bounces, once per run, which owns it.
 olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                            const olx_render_settings *settings, uint32_t bounces, bench_images **references);
 
-// Default settings for baking a field: fine, or rough with --quick.
+// Returns default settings for baking a field: fine, or rough with --quick.
 bench_bake bench_bake_settings(const bench *b, bool classic);
 // Places, bakes and opens a field. Must be closed by bench_field_close, also after a failure.
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,

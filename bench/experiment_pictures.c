@@ -17,8 +17,8 @@ static olx_layer layer_of(bench_light light) {
   return layers[light];
 }
 
-// The exposure, a power of two, at which a dim layer of indirect light is visible. Bright pixels count more than dark
-// ones, because a layer may be black where nothing is glossy.
+// Returns the exposure, a power of two, at which a dim layer of indirect light is visible. Bright pixels count more
+// than dark ones, because a layer may be black where nothing is glossy.
 static float exposure_for(const olx_image *reference, olx_layer layer) {
   if (layer == OLX_LAYER_BEAUTY) return 1.0f;
   const size_t pixels = (size_t)reference->width * reference->height;

@@ -92,7 +92,7 @@ static const bench_cell *cell_at(const bench_table *table, uint32_t row, uint32_
   return &table->cells[(size_t)table->column_count * row + column];
 }
 
-// The width of UTF-8 text in characters, not bytes.
+// Returns the width of UTF-8 text in characters, not bytes.
 static int width_of(const char *text) {
   int width = 0;
   for (; *text; ++text) width += (*text & 0xc0) != 0x80;
@@ -240,7 +240,7 @@ static char *draw_lines(const bench_table *table, const bench_plot *plot) {
   return svg;
 }
 
-// The names of a row, separated by commas.
+// Returns the names of a row, separated by commas.
 static cell_text row_name(const bench_table *table, uint32_t row, const char *key) {
   cell_text out = {""};
   size_t used = 0;

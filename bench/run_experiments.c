@@ -120,7 +120,7 @@ static void put_summary(FILE *out) {
   }
 }
 
-// The command line that measures this experiment alone, which the caller frees; NULL when memory runs out.
+// Returns the command line that measures this experiment alone, which the caller frees; NULL when memory runs out.
 static char *make_command(const experiment *e, const bench_options *o) {
   char *command = NULL;
   size_t size_bytes;

@@ -4,12 +4,12 @@
 
 #include <stdint.h>
 
-#define BENCH_PROGRAM "octalux-bench" // as messages name it
+#define BENCH_PROGRAM "octalux-bench" // the program's name in messages
 
 typedef struct bench_study {
-  const char *name;                  // on the command line
-  const char *arguments;             // their form in the help; NULL: the study parses and documents its own options
-  uint32_t least, most;              // least and most number of arguments
+  const char *name;      // name on the command line
+  const char *arguments; // form of the arguments in the help; NULL: the study parses and documents its own options
+  uint32_t least, most;  // least and greatest number of arguments
   const char *what;                  // one line, for lists
   int (*run)(int argc, char **argv); // argv[0] is its name; returns the program's exit code
 } bench_study;

@@ -200,8 +200,8 @@ def selectors(bench):
                         number(r["probes_mean"]), number(r["steps_mean"]), stored.get(way, 0), nanoseconds[way])
 
 
-# Parts of the living room as they look in a picture of 960x540 from the camera "sofa": 64x48 pixels around a point,
-# given as shares of the picture's width and height.
+# Parts of the living room in a picture of 960x540 from the camera "sofa": 64x48 pixels around a point, given as shares
+# of the picture's width and height.
 PARTS = {"shelf": (0.783, 0.489), "cushion": (0.479, 0.589), "grate": (0.958, 0.672)}
 
 
@@ -241,7 +241,7 @@ def denoise(bench):
                 bench.run("render", source, "-o", out, "--method", "field", "--field", field, "--size", "64x48", "--camera", part, *options)
                 return out
 
-            # Another seed than that of the frames and of the gathers that are judged.
+            # The seed differs from that of the frames and gathers that are compared with it.
             truth = render("truth", "--mode", "gather", "--gather-samples", 256 if bench.quick else 2048, "--seed", 7)
             gathered = {samples: render("gather%d" % samples, "--mode", "gather", "--gather-samples", samples) for samples in (1, 32, 128)}
             for device in bench.devices:

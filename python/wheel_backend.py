@@ -15,7 +15,7 @@ import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 LIBRARIES = ("liboctalux.so", "liboctalux-bake.so")
-# Sources that are compiled into the libraries, where Debian keeps their licences.
+# Libraries whose sources are compiled into ours, and where Debian keeps their licences.
 COMPILED_IN = {"xxHash": "/usr/share/doc/libxxhash-dev/copyright", "stb": "/usr/share/doc/libstb-dev/copyright"}
 DATE = (1980, 1, 1, 0, 0, 0)
 

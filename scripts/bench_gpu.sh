@@ -15,7 +15,7 @@ set -euo pipefail
 export LC_ALL=C
 divisor=${MAP_DIVISOR:-1}
 
-# row, scene, what to cook, map size, grid
+# Each line: row, scene, the model or description to cook, map size, grid.
 rows() {
   cat <<'ROWS'
 cornell-2048 cornell builtin:cornell 2048 2x2x2
@@ -27,7 +27,7 @@ pandora pandora-glossy pandora-glossy.json 1024 8x2x8
 ROWS
 }
 
-# chosen ROW...: the lines of those rows, or of all.
+# chosen ROW...: prints the lines of those rows, or of all.
 chosen() {
   local row line
   [ $# -gt 0 ] || { rows; return; }
@@ -74,7 +74,7 @@ pack() {
 bake() {
   local dir=$1 row scene source size grid
   shift
-  libraries=$(mktemp -d) # not local: it goes away with the script
+  libraries=$(mktemp -d) # not local, since the script removes it at its end
   trap 'rm -rf "$libraries"' EXIT
   for library in "$dir"/bin/lib/*.gz; do gunzip -c "$library" >"$libraries/$(basename "$library" .gz)"; done
   chosen "$@" | while read -r row scene source size grid; do

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Everything that can be checked without a graphics device: make check-full. Under 45 minutes on two processors. Tests
-# on real scenes run when OCTALUX_TEST_SCENES, or ../shared/scenes beside this checkout, holds them; they are skipped
-# else.
+# Every check that needs no graphics device: make check-full. Takes less than 45 minutes on two processors. Tests on
+# real scenes run when OCTALUX_TEST_SCENES, or ../shared/scenes beside this checkout, contains them; otherwise they are
+# skipped.
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 

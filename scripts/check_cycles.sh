@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Octalux's path tracer against Blender's, layer by layer, on matte surfaces: built-in scenes, and a textured one where
-# real scenes are found. Takes some minutes. Exit status 77: Blender is not installed, and nothing was compared.
+# Compares Octalux's path tracer with Blender's, layer by layer, on matte surfaces: built-in scenes, and a textured one
+# where real scenes are found. Takes some minutes. Exit status 77: Blender is not installed, and nothing was compared.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$PWD/../shared/scenes}

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The source as a file: check_dist.sh SOURCE-FOLDER. It holds what git tracks and nothing else, is the same twice, and
-# belongs to nobody. tests/soak_dist.sh builds it.
+# Checks the source archive: check_dist.sh SOURCE-FOLDER. It contains the files that git tracks and no others, has the
+# same bytes twice, and its files have no owner. tests/soak_dist.sh builds it.
 set -euo pipefail
 source=$(realpath "$1")
 [ -e "$source/.git" ] || { echo "skipped: this is no checkout"; exit 77; }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# examples/embed-vulkan as a host would build it, against an installed package: check_embed_vulkan.sh BUILD-FOLDER
-# SOURCE-FOLDER. Its light, layer by layer, against `octalux render` of the same view; its two ways against each other;
-# and silent validation layers. Exits with 77 without a Vulkan device, or without what the example needs to be built.
+# Builds examples/embed-vulkan as a host would, against an installed package: check_embed_vulkan.sh BUILD-FOLDER
+# SOURCE-FOLDER. Compares its light, layer by layer, with `octalux render` of the same view, and its two methods with
+# each other; the validation layers must report nothing. Exits with 77 without a Vulkan device, or without the tools
+# that the example needs to be built.
 set -euo pipefail
 build=$1 source=$2
 work=$(mktemp -d)
@@ -20,13 +21,13 @@ cd "$work"
 
 code=0
 "$embed" field.olx recorded.exr --size 120x90 --validate || code=$?
-if [ "$code" = 77 ]; then exit 77; fi # it has said why
+if [ "$code" = 77 ]; then exit 77; fi # the example has printed the reason
 [ "$code" = 0 ] || { echo "embed_vulkan: exit code $code" >&2; exit 1; }
 "$embed" field.olx own.exr --size 120x90 --validate --own-shader
 "$embed" field.olx picture.png --size 120x90
 head -c 4 picture.png | grep -q PNG
 
-# close_to A B LAYER LIMIT: relative mean squared error.
+# close_to A B LAYER LIMIT: checks that the relative mean squared error is below the limit.
 close_to() {
   "$octalux" compare "$1" "$2" --layer "$3" --json >compared.json
   python3 - "$3" "$4" <<'PYTHON'
@@ -38,14 +39,15 @@ sys.exit(0 if error < limit else 1)
 PYTHON
 }
 
-# The host's G-buffer keeps albedo and roughness in 8 bits, and its direct light has its own samples.
+# The tolerance allows for albedo and roughness in 8 bits in the host's G-buffer, and for its own samples of direct
+# light.
 "$octalux" render builtin:cornell-glossy --field field.olx -o render.exr --size 120x90 --centered --spp 1 --glossy-samples 16 \
   >/dev/null 2>&1
 close_to recorded.exr render.exr indirect_diffuse 1e-3
 close_to recorded.exr render.exr indirect_glossy 1e-3
 close_to recorded.exr render.exr beauty 1e-3
-# Irradiance called in the host's shader is the recorded pass's, but for the half floats of that pass's image, and
-# positions that are interpolated there and found again from depth here.
+# Irradiance computed in the host's shader equals that of the recorded pass, except for half floats in that pass's
+# image, and for positions, which one interpolates and the other reconstructs from depth.
 close_to own.exr recorded.exr beauty 1e-7
 close_to own.exr recorded.exr indirect_glossy 1e-12
 

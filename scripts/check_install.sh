@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Install a build, move it, and use it as others will: check_install.sh BUILD-FOLDER SOURCE-FOLDER. The examples are
+# Installs a build, moves it, and uses it as others will: check_install.sh BUILD-FOLDER SOURCE-FOLDER. The examples are
 # built against the CMake package and against pkg-config, and run. The build's libraries may be static or shared.
 set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
@@ -18,7 +18,7 @@ pkg_config_file=$(find "$prefix" -name octalux.pc)
 export PKG_CONFIG_PATH=${pkg_config_file%/*}
 libraries=${PKG_CONFIG_PATH%/pkgconfig}
 
-# What the installed documents link to is installed.
+# Every file that the installed documents link to is installed.
 documents=$prefix/share/doc/octalux
 [ -e "$documents/README.md" ] || fail "no README is installed"
 while IFS= read -r found; do
@@ -28,16 +28,17 @@ while IFS= read -r found; do
   [ -e "${document%/*}/$target" ] || fail "${document#"$prefix/"} links to $target, which is not installed"
 done < <(grep -rHoE '\]\([^)]+\)' --include='*.md' "$documents")
 
-# The shared runtime has a name that programs load it by, and asks for nothing but libc and libm.
+# The shared runtime has a SONAME, and needs no libraries but libc and libm.
 readelf -d "$libraries/liboctalux.so" | grep -q 'SONAME.*\[liboctalux\.so\.[0-9]*\]' || fail "liboctalux.so has no SONAME"
-# needs_only FILE EXPRESSION: whatever FILE loads matches the expression, or is of the C library.
+# needs_only FILE EXPRESSION: checks that every library that FILE loads matches the expression, or belongs to the C
+# library.
 needs_only() {
   if ldd "$1" | grep -vE "linux-vdso|lib(c|m)\.so|ld-linux|libpthread|$2"; then fail "${1##*/} needs more than libc and libm"; fi
 }
 needs_only "$libraries/liboctalux.so" '^$'
 
-# The program finds libraries of ours in the installation, whatever the environment says, and nothing refers to the
-# build.
+# The program finds our libraries in the installation, whatever the environment says, and nothing refers to the build
+# folder.
 "$prefix/bin/octalux" scene builtin:cornell >/dev/null || fail "the installed program does not start"
 for file in "$prefix"/bin/* "$libraries"/*.so; do
   if readelf -d "$file" | grep -E 'R(UN)?PATH' | grep -vE '\[\$ORIGIN[^:]*\]'; then fail "$file looks for libraries elsewhere"; fi
@@ -49,7 +50,7 @@ cmake --build "$work/examples"
 head -c 4 "$work/cornell.png" | grep -q PNG
 "$work/examples/minimal" "$work/cornell.olx" | tee "$work/package.txt"
 
-# compiled NAME PACKAGE [FLAG...]: an example, compiled by what pkg-config says of a package.
+# compiled NAME PACKAGE [FLAG...]: compiles an example with the flags that pkg-config gives for a package.
 compiled() {
   local name=$1 package=$2 flags
   shift 2
@@ -64,7 +65,7 @@ compiled bake_and_render octalux-bake
 LD_LIBRARY_PATH=$libraries "$work/bake_and_render-octalux-bake" builtin:cornell "$work/again.olx" "$work/again.png"
 cmp "$work/cornell.olx" "$work/again.olx"
 
-# Beside static libraries, the shared runtime is a target of the CMake package, too.
+# When libraries are static, the CMake package has a target for the shared runtime, too.
 if [ -e "$libraries/liboctalux.a" ]; then
   needs_only "$work/examples/minimal" '^$'
   printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(shared LANGUAGES C)' 'find_package(octalux REQUIRED)' \
@@ -75,7 +76,7 @@ if [ -e "$libraries/liboctalux.a" ]; then
   ldd "$work/shared/minimal" | grep liboctalux.so >/dev/null || fail "octalux::octalux-shared is not loaded"
   "$work/shared/minimal" "$work/cornell.olx" | cmp "$work/package.txt" -
 
-  # A program that unpacks fields, and calls nothing else of the baker, needs zstd alone.
+  # A program that only unpacks fields, and calls nothing else of the baker, needs no library but zstd.
   printf '%s\n' '#include <octalux/export.h>' 'int main(int argc, char **argv) {' \
     'const olx_unpack_settings settings = olx_unpack_settings_default();' \
     'return argc != 3 || olx_field_unpack(argv[1], &settings, argv[2], 0, 0) != OLX_OK; }' >"$work/unpack.c"

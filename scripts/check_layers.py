@@ -36,19 +36,19 @@ SAME_NAME_ALLOWED = {"CMakeLists.txt", "README.md", "SOURCE.md", ".gitignore"}
 CODE = {".c", ".h", ".cpp", ".hpp", ".glsl", ".comp", ".frag", ".vert"}
 TEXT = CODE | {".md", ".txt", ".cmake", ".json", ".py", ".sh", ".in", ".yml", ""}
 
-OWN_LICENCE = "// SPDX-License-Identifier: MIT"  # of files that leave the repository on their own
+OWN_LICENCE = "// SPDX-License-Identifier: MIT"  # licence of files that are copied out of the repository
 LICENCE_MARKS = re.compile(r"copyright|spdx-license|all rights reserved|licensed under|permission is hereby granted|"
                            r"@author|public domain", re.IGNORECASE)
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK|stub|not implemented|placeholder)\b")
 MACHINE_PATH = re.compile(r"(?<![\w.$}])/(home|root|Users|work|mnt)/[A-Za-z.]")
 
-# What programs share: the headers of octalux-console in cli.
+# Headers that programs share: those of octalux-console in cli.
 CONSOLE = {"bake_options.h", "clock.h", "companion.h", "html_report.h", "options.h", "plot.h", "report.h",
            "sample_options.h", "scene_options.h", "stop.h"}
 
 LINK = re.compile(r"\]\(([^)\s]*)\)")
 
-OPENING_WORDS = 6  # of the comment that a source file opens with, at least
+OPENING_WORDS = 6  # least number of words of a source file's opening comment
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -117,7 +117,7 @@ def check_public(name, angled, target):
 def check_client(root, name, angled, target):
     if angled:
         return None
-    folders = [(root / name).parent, root / name.split("/")[0]]  # its own, and the client's
+    folders = [(root / name).parent, root / name.split("/")[0]]  # the folders of the file itself and of its client
     if name.startswith(("cli/", "viewer/", "bench/")):
         folders.append(root / "host")
     for client, other in (("bench/gpu/", "viewer"), ("bench/studies/", "src")):
@@ -127,7 +127,7 @@ def check_client(root, name, angled, target):
         return None
     if name.startswith(("viewer/", "bench/")) and target in CONSOLE:
         return None
-    if target.endswith(".spv.inc") or target == "lib/octalux.glsl":  # compiled shaders; what is installed for shaders
+    if target.endswith(".spv.inc") or target == "lib/octalux.glsl":  # compiled shaders, or the shader library
         return None
     return f'"{target}" is neither a public header nor a neighbour'
 
@@ -212,7 +212,7 @@ def check_circles(root, names):
     graph = include_graph(root, names)
     left = set(graph)
     for start in sorted(graph):
-        left.discard(start)  # circles through it are reported once
+        left.discard(start)  # so that circles through it are reported once
         way = find_circle(graph, start, left)
         if way:
             yield f"{graph[way[0]][way[1]]}: includes in a circle: {' -> '.join(way)}"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What Debian packages of a build hold and ask for: check_packages.sh BUILD-FOLDER SOURCE-FOLDER. They are unpacked, not
-# installed; tests/soak_packages.sh installs them on a bare system.
+# Checks the contents and dependencies of a build's Debian packages: check_packages.sh BUILD-FOLDER SOURCE-FOLDER. They
+# are unpacked, not installed; tests/soak_packages.sh installs them on a bare system.
 set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
@@ -20,7 +20,7 @@ version=$(field_of octalux Version)
 [ "$(ls "$work"/packages/*.deb | sed 's|.*/||; s|_.*||' | LC_ALL=C sort | tr '\n' ' ')" = "liboctalux-dev liboctalux0 octalux octalux-doc octalux-viewer " ] ||
   fail "other packages than five: $(ls "$work/packages")"
 
-# holds PACKAGE <LIST: it holds these files under /usr and no others.
+# holds PACKAGE <LIST: checks that the package has these files under /usr and no others.
 holds() {
   dpkg-deb -x "$(package_of "$1")" "$work/$1"
   (cd "$work/$1/usr" && find . ! -type d | sed 's|^\./||' | sort) >"$work/$1.found"
@@ -44,7 +44,7 @@ printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright | holds octalu
   echo share/doc/octalux-doc/copyright
 } | holds octalux-doc
 
-# Programs ask for the packages of what they load, and the runtime for the C library alone.
+# Programs depend on the packages of the libraries that they load, and the runtime on the C library alone.
 [[ $(field_of liboctalux0 Depends) =~ ^libc6\ [^,]*$ ]] || fail "the runtime depends on $(field_of liboctalux0 Depends)"
 [ "$(field_of liboctalux-dev Depends)" = "liboctalux0 (= $version)" ] || fail "liboctalux-dev depends on $(field_of liboctalux-dev Depends)"
 [ "$(field_of octalux-doc Architecture)" = all ] || fail "documents are for one architecture"
@@ -56,8 +56,8 @@ done
 [[ "$(field_of octalux-viewer Depends)," == "octalux (= $version),"* ]] || fail "the viewer takes any version of octalux"
 dpkg-deb --ctrl-tarfile "$(package_of liboctalux0)" | tar -xO ./shlibs | grep -q '^liboctalux 0 liboctalux0 (= ' || fail "who links the runtime is not told its package"
 
-# Notices: every library that a program names is in its package's notice, and none besides; what is contained has its
-# licence's text. third_party PACKAGE-COLUMN HOW FIELD: of cmake/third_party.tsv.
+# Notices: a package's notice names exactly the libraries that its programs load, and has the text of the licences of
+# code that it contains. third_party PACKAGE-COLUMN HOW FIELD prints a field of cmake/third_party.tsv.
 third_party() { awk -F '\t' -v p="$1" -v h="$2" -v f="$3" '!/^#/ && index("," $1 ",", "," p ",") && $3 == h { print $f }' "$source/cmake/third_party.tsv"; }
 for pair in runtime:liboctalux0 tools:octalux viewer:octalux-viewer; do
   package=${pair#*:} column=${pair%:*}
@@ -74,7 +74,7 @@ for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-
   [ "$(grep -c 'Its notice' "$notice")" = "$(third_party "$column" contains 2 | wc -l)" ] || fail "$package lacks a notice"
 done
 
-# Programs carry no symbols for debuggers, nothing refers to the build, and they run where they were unpacked.
+# Programs have no debug symbols, nothing refers to the build folder, and they run where they were unpacked.
 for program in octalux/usr/bin/octalux octalux/usr/bin/octalux-bench octalux/usr/bin/octalux-bench-gpu octalux-viewer/usr/bin/octalux-view "liboctalux0/usr/lib/liboctalux.so.$version"; do
   readelf -S "$work/$program" | grep -q '\.debug_info' && fail "$program is not stripped"
   readelf -d "$work/$program" | grep -E 'R(UN)?PATH' && fail "$program looks for libraries in a folder"

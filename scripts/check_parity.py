@@ -12,7 +12,7 @@ import re
 import sys
 
 FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
-# How WebGL2 reads data and what its language lacks, up to what Vulkan has in its place: no parity test runs there.
+# The parts of a shader for WebGL2, up to those for Vulkan in their place: no parity test runs in WebGL2.
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
 # A twin: one file, or all files of the folder that has the shader's stem for its name.
 TWIN = re.compile(r"Twin of (src/\w+/(\w+)\.[ch]|src/(\w+)/\*\.c)\b")

@@ -49,7 +49,7 @@ def main():
         match = re.search(r"\(NEEDED\).*\[(.+)\]", line)
         if match and not NEEDED.match(match.group(1)):
             faults.append(f"the runtime needs {match.group(1)}")
-    # What libc and libm provide carries a version (memcpy@GLIBC_2.14).
+    # Symbols of libc and libm have a version (memcpy@GLIBC_2.14).
     for line in output("nm", "--dynamic", "--undefined-only", "--format=posix", shared).splitlines():
         name, kind = line.split()[:2]
         if kind == "U" and "@" not in name:

@@ -1,20 +1,22 @@
 #!/usr/bin/env bash
-# Bake a furnished room and two rooms that are hard to get right, render them from their fields and by path tracing, and
-# put pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than 150 seconds of
-# processor time; pictures are small, and the room is baked with more noise than by default, for its sake.
+# Bakes a furnished room and two rooms that are hard to light correctly, renders them from their fields and by path
+# tracing, and puts pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes less than
+# 150 seconds of processor time: pictures are small, and the room is baked with more noise than by default.
 set -euo pipefail
 export LC_ALL=C
 program=$1 out=$2
 bounces=2
 mkdir -p "$out"
 
-# The built-in glossy box, rougher: what its metal throws onto the ceiling takes the path tracer long to make smooth.
+# This is the built-in glossy box with rougher surfaces, since the light that smoother metal reflects onto the ceiling
+# would take the path tracer long.
 cat >"$out/cornell.json" <<'JSON'
 {"model": "builtin:cornell-glossy",
  "materials": {"metal block": {"roughness": 0.6}, "glazed block": {"roughness": 0.5}, "polished floor": {"roughness": 0.4}}}
 JSON
 
-# number JSON KEY...: the number behind the last key, each key sought behind the one before. null is an infinite one.
+# number JSON KEY...: prints the number behind the last key, each key searched behind the previous one. null means
+# infinity.
 number() {
   local json=$1 key
   shift
@@ -39,13 +41,13 @@ percent() {
 
 picture() { printf 'data:image/png;base64,'; base64 -w 0 "$1"; }
 
-# figure IMAGE TITLE TEXT
+# figure IMAGE TITLE TEXT: prints a picture with its caption.
 figure() {
   printf '<figure><img alt="%s" src="%s"><figcaption><b>%s</b> %s</figcaption></figure>\n' "$2" "$(picture "$1")" "$2" "$3"
 }
 
-# slider LEFT-IMAGE LEFT-TITLE RIGHT-IMAGE RIGHT-TITLE: two pictures in one frame, with a line between them that can be
-# moved.
+# slider LEFT-IMAGE LEFT-TITLE RIGHT-IMAGE RIGHT-TITLE: prints two pictures in one frame, with a movable line between
+# them.
 slider() {
   printf '<div class=slider style="--at: 50%%"><img alt="%s" src="%s"><img class=over alt="%s" src="%s">' \
     "$4" "$(picture "$3")" "$2" "$(picture "$1")"
@@ -55,14 +57,14 @@ slider() {
 
 say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
-# milliseconds JSON SPP: of one frame's indirect light, one sample a pixel, on one core.
+# milliseconds JSON SPP: prints the time of one frame's indirect light, with one sample a pixel, on one core.
 milliseconds() {
   awk -v diffuse="$(number "$1" passes indirect_diffuse)" -v glossy="$(number "$1" passes indirect_glossy)" -v spp="$2" \
     'BEGIN { printf "%.0f ms", 1000 * (diffuse + glossy) / spp }'
 }
 
-# walk_through SCENE FIELD: a page beside ours that walks through the scene. Sets `walk` to what links to it, nothing
-# where there is no such page.
+# walk_through SCENE FIELD: makes a page beside ours that walks through the scene. Sets `walk` to the link to it, empty
+# where this build has no such page.
 walk_through() {
   walk=""
   rm -rf "$out/walk"
@@ -75,7 +77,7 @@ walk_through() {
   fi
 }
 
-# The room: sets `hero`.
+# room: renders the room, and sets `hero` to its part of the page.
 room() {
   local base=$out/flat size=480x300 spp=48 look baked field path
   look=(--camera room --size "$size" --exposure 2)
@@ -113,7 +115,8 @@ room() {
 
 rows="" sections=""
 
-# scene SCENE CAMERA SIZE EXPOSURE SPP TITLE TEXT BAKE-OPTION...
+# scene SCENE CAMERA SIZE EXPOSURE SPP TITLE TEXT BAKE-OPTION...: bakes and renders a scene, and prints its part of the
+# page.
 scene() {
   local scene=$1 camera=$2 size=$3 exposure=$4 spp=$5 title=$6 text=$7 name=${1##*[:/]}
   local baked path field error audit view base=$out/${name%.json}

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Coverage-guided fuzzing: fuzz.sh BUILD-FOLDER SECONDS [TARGET...] runs each target (all of them) for so many seconds,
-# from the seeds that the build makes, what was found before and is mended (tests/fuzz/found), and what earlier runs
-# kept (BUILD-FOLDER/corpus). Prints a row for each, with the edges of the code that were met; inputs that break a
-# promise, take 5 seconds or gigabytes are kept in BUILD-FOLDER/broken.
+# Coverage-guided fuzzing: fuzz.sh BUILD-FOLDER SECONDS [TARGET...] runs each target (all of them) for so many seconds.
+# It begins with the seeds that the build makes, inputs that once failed (tests/fuzz/found), and those that earlier runs
+# kept (BUILD-FOLDER/corpus). Prints a row for each target, with the number of edges of the code that were covered;
+# inputs that break a promise, take 5 seconds or gigabytes are kept in BUILD-FOLDER/broken.
 set -uo pipefail
 build=$(realpath "$1") seconds=$2
 source=$(realpath "$(dirname "$0")/..")
@@ -24,7 +24,7 @@ export LSAN_OPTIONS="suppressions=$source/tests/leaks.supp:print_suppressions=0"
 "$build/tests/make_seeds" "$TMPDIR/seeds" || exit 1
 failed=0
 
-# number LOG NAME: of libFuzzer's last statistics.
+# number LOG NAME: prints a number of libFuzzer's final statistics.
 number() { sed -nE "s/^stat::$2: *([0-9]+).*/\1/p" "$1" | tail -n 1; }
 
 for target in "${targets[@]}"; do
@@ -33,7 +33,7 @@ for target in "${targets[@]}"; do
   folders=("$corpus" "$TMPDIR/seeds/$target")
   [ -d "$found" ] && folders+=("$found")
   leaks=1
-  [ "$target" = obj ] && leaks=0 # Assimp loses memory when it refuses a model; ours is counted by the target
+  [ "$target" = obj ] && leaks=0 # Assimp leaks memory when it refuses a model; the target counts our own memory
   ASAN_OPTIONS=$asan:detect_leaks=$leaks "$build/tests/target_$target" -detect_leaks=$leaks -max_total_time="$seconds" -timeout=5 -rss_limit_mb=3000 -malloc_limit_mb=1500 -max_len=16384 -print_final_stats=1 \
     -dict="$source/tests/fuzz/words.dict" -artifact_prefix="$build/broken/$target-" "${folders[@]}" >"$log" 2>&1
   status=$?

@@ -9,8 +9,8 @@ list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
-# Without these the build leaves out the Vulkan runtime or the viewer, and says so; without those of the check, the page
-# of export web.
+# Without these packages the build leaves out the Vulkan runtime or the viewer, with a message; without those of the
+# check, the page of export web.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
 case $list in
   build) ;;
@@ -18,14 +18,14 @@ case $list in
     needed+=(clang clang-format clang-tidy libclang-rt-14-dev python3 python3-numpy python3-venv binutils libcmocka-dev
       dpkg-dev # finds which packages a package depends on
       gltfpack # makes compressed models to read
-      nodejs lld glslang-tools # the package for browsers and the page of export web, their decoder and shaders
-      mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device and its layers, a display for the viewer
+      nodejs lld glslang-tools # for the browser package and the page of export web, with their decoder and shaders
+      mesa-vulkan-drivers vulkan-validationlayers xvfb # Vulkan's CPU device, its layers, and a display
       "${wanted[@]}")
-    command -v npm >/dev/null || needed+=(npm) # packages of nodejs from elsewhere hold it, and conflict with Debian's
+    command -v npm >/dev/null || needed+=(npm) # other sources' nodejs contains npm, and excludes Debian's
     wanted=()
-    [ "$list" != soak ] || needed+=(mmdebstrap) # a system to install packages on
-    [ "$list" != full ] || needed+=(chromium # looks at reports
-      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # other machines and C libraries
+    [ "$list" != soak ] || needed+=(mmdebstrap) # makes a bare system to install packages on
+    [ "$list" != full ] || needed+=(chromium # shows reports
+      gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # for builds for other machines and C libraries
     ;;
   *)
     echo "install-packages: '$list' is not one of build, check, full, soak" >&2
@@ -38,7 +38,7 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
-# missing_of PACKAGE...: those that are not installed, one a line.
+# missing_of PACKAGE...: prints those that are not installed, one a line.
 missing_of() {
   local package
   for package; do

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The source of the last commit as octalux-VERSION.tar.gz: make_dist.sh OUTPUT-FOLDER. The same bytes from the same
-# commit: files are sorted, belong to nobody, and are as old as the commit. What is not committed is left out.
+# Makes the source archive of the last commit, octalux-VERSION.tar.gz: make_dist.sh OUTPUT-FOLDER. The same commit gives
+# the same bytes: files are sorted, have no owner, and the commit's date. Uncommitted changes are left out.
 set -euo pipefail
 source=$(realpath "$(dirname "$0")/..")
 mkdir -p "$1"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Debian packages of a build: make_packages.sh BUILD-FOLDER OUTPUT-FOLDER. Their files are as old as the last commit,
-# where git knows.
+# Makes Debian packages of a build: make_packages.sh BUILD-FOLDER OUTPUT-FOLDER. Their files have the date of the last
+# commit, where git knows it.
 set -euo pipefail
 build=$(realpath "$1")
 source=$(realpath "$(dirname "$0")/..")

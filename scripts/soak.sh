@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What takes hours: make soak. SOAK_MINUTES says how long each fuzzer and each target of coverage-guided fuzzing runs
-# (60), SOAK_KILLS how many bakes are killed (200), SOAK_SEED where the fuzzers' random numbers begin (1). Ends with one
-# line that counts everything, as the checks do.
+# Checks that take hours: make soak. SOAK_MINUTES sets how long each fuzzer and each target of coverage-guided fuzzing
+# runs (60), SOAK_KILLS how many bakes are killed (200), SOAK_SEED the first seed of the fuzzers (1). Ends with one line
+# that counts everything, as the checks do.
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 

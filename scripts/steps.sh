@@ -1,4 +1,4 @@
-# Sourced by check.sh and check-full.sh: steps that are counted, and the closing line.
+# Sourced by check.sh and check-full.sh: counted steps, and the closing line.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 passed=0 failed=0 skipped=0 failures=()
@@ -6,10 +6,10 @@ jobs=${JOBS:-$(nproc)}
 reports=build/check
 mkdir -p "$reports"
 
-# A job that is left behind by an interrupted check would keep the machine busy.
+# An interrupted check ends its jobs, which would keep the machine busy.
 trap 'jobs -p | xargs -r kill 2>/dev/null; failed=$((failed + 1)); failures+=(interrupted); closing_line; exit 1' INT TERM
 
-# step NAME COMMAND...: one thing that works or does not; its output is shown only when it fails.
+# step NAME COMMAND...: runs a command that succeeds or fails; its output is shown only when it fails.
 step() {
   local name=$1 log="$reports/${1//[^A-Za-z0-9]/-}.log" start=$SECONDS
   shift
@@ -25,12 +25,12 @@ step() {
   fi
 }
 
-# configure_and_build PRESET [TARGET]: everything, or what one target needs.
+# configure_and_build PRESET [TARGET]: builds everything, or one target with its dependencies.
 configure_and_build() {
   cmake --preset "$1" && cmake --build "build/$1" --parallel "$jobs" --target "${2:-all}"
 }
 
-# tests PRESET NAME CTEST-ARGUMENTS...: run CTest in build/PRESET and count every test case.
+# tests PRESET NAME CTEST-ARGUMENTS...: runs CTest in build/PRESET and counts every test case.
 tests() {
   local preset=$1 name=$2 start=$SECONDS
   shift 2
@@ -51,13 +51,13 @@ tests() {
   return 1
 }
 
-# Whether clang links targets of coverage-guided fuzzing.
+# Returns whether clang can link targets of coverage-guided fuzzing.
 has_libfuzzer() {
   echo 'int LLVMFuzzerTestOneInput(const char *d, unsigned long n); int LLVMFuzzerTestOneInput(const char *d, unsigned long n) { return !d && n; }' |
     clang -x c - -fsanitize=fuzzer,address -o /dev/null 2>/dev/null
 }
 
-# guided_fuzzing NAME LABEL: coverage-guided fuzzing of every target, where there is libFuzzer.
+# guided_fuzzing NAME LABEL: runs coverage-guided fuzzing of every target, where libFuzzer is available.
 guided_fuzzing() {
   if has_libfuzzer; then
     step "build: coverage-guided fuzzing" configure_and_build fuzz fuzzers && tests fuzz "$1" -L "$2"
@@ -67,8 +67,8 @@ guided_fuzzing() {
   fi
 }
 
-# What this check and all it has run have used of the processors. `times` is called here because a subshell has used
-# nothing.
+# Shows the processor time of this check and its child processes. `times` is called here because a subshell has used
+# none.
 show_processor_time() {
   times >"$reports/times.txt"
   awk '{ for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); sum += 60 * t[1] + t[2] } }

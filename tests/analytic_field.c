@@ -90,7 +90,7 @@ static void fill_probe(const analytic_scene *scene, olx_field *f, uint32_t probe
   }
 }
 
-// The maps of surfaces while they are made.
+// Writable views of a field's surface maps while they are filled.
 typedef struct surface_maps {
   uint32_t *base, *direct, *indirect, *emission, *tiles;
   uint16_t *specular;
@@ -112,7 +112,7 @@ static void fill_surface(const analytic_scene *scene, const olx_field *f, uint32
   maps->indirect[index] = olx_rgb9e5_pack(olx_v3(sent.x / albedo.x, sent.y / albedo.y, sent.z / albedo.z));
 }
 
-// All tiles that hold any sky are one and the same: what is not sky is not looked up there.
+// Points every tile that holds sky to the one tile of the sky's emission; texels that are not sky do not read it.
 static void fill_emission(const olx_field *f, uint32_t probe, const surface_maps *maps) {
   const uint32_t side = f->surfaces.tile_side;
   for (uint32_t i = 0; i < f->n * f->n; i++) {
@@ -217,7 +217,7 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   return f;
 }
 
-// The inside of a bordered map.
+// Copies the inside of a probe's bordered map, without its border.
 static void copy_inside(const olx_field *f, const void *map, uint32_t probe, size_t texel_bytes, void *inside) {
   const char *from = (const char *)map + f->texels * probe * texel_bytes;
   for (uint32_t y = 0; y < f->n; y++) {
@@ -256,7 +256,7 @@ void analytic_field_compress(olx_field *f) {
 }
 
 static olx_geometry_texel look_at(const void *field, uint32_t x, uint32_t y) {
-  const olx_field *f = field; // of one probe
+  const olx_field *f = field; // a field of one probe
   const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
   return (olx_geometry_texel){olx_texel_distance(f, 0, texel), olx_texel_normal(f, 0, texel)};
 }

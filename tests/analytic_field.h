@@ -17,31 +17,31 @@ typedef struct analytic_scene {
 } analytic_scene;
 
 typedef struct analytic_hit {
-  float t; // infinite for the sky
+  float t; // infinite when the ray meets the sky
   olx_vec3 normal;
 } analytic_hit;
 
 analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 
-// Radiance that tells places apart: positive, smooth in position, different on each side of a box.
+// Radiance that identifies a place: positive, smooth in position, different on each side of a box.
 olx_vec3 analytic_radiance(olx_vec3 position, olx_vec3 normal);
 
-// Reflectance that tells places apart, from 0.2 to 0.8.
+// Reflectance from 0.2 to 0.8 that identifies a place.
 olx_vec3 analytic_albedo(olx_vec3 position, olx_vec3 normal);
 
-// Every map of a grid of probes; surfaces are Lambertian with analytic_albedo, get pi * analytic_radiance /
-// analytic_albedo of indirect light and no direct light, and the sky has a radiance of 4; irradiance maps hold the
-// radiance's constant `irradiance` and exact moments of one texel. Free with analytic_field_free.
+// Makes every map of a grid of probes. Surfaces are Lambertian with analytic_albedo, with indirect light of pi *
+// analytic_radiance / analytic_albedo and no direct light; the sky's radiance is 4. Irradiance maps hold the constant
+// `irradiance` of the radiance's pattern and the exact moments of one texel. Free with analytic_field_free.
 olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid, uint32_t n, uint32_t irradiance_n);
 void analytic_field_free(olx_field *field);
 
-// Surfaces become blocks, in place of texels.
+// Replaces the texels of surfaces by blocks.
 void analytic_field_compress(olx_field *field);
-// Distances and normals become geometry blocks.
+// Replaces distances and normals by geometry blocks.
 void analytic_field_block_geometry(olx_field *field);
 
-// Classic maps of `size` texels along a side, at random: for tests that ask what is read, not what it looks like. Take
-// them away before the field is freed.
+// Adds classic maps of `size` texels along a side with random contents, for tests of which texels are read. Remove them
+// before the field is freed.
 void analytic_field_add_classic(olx_field *field, uint32_t size);
 void analytic_field_remove_classic(olx_field *field);
 

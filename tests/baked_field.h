@@ -4,7 +4,8 @@
 
 #include <octalux/bake.h>
 
-// Bake, open and verify; the file is gone already. Asserts that nothing fails. `stats` may be NULL. Close it.
+// Bakes, opens and verifies a field, and fails the test when any of it fails. The file is already deleted. `stats` may
+// be NULL. Close the field with olx_field_close.
 olx_field *baked_field(const olx_scene *scene, const olx_bake_settings *settings, olx_bake_stats *stats);
 
 // Assert that the number of threads does not change a byte.

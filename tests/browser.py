@@ -21,7 +21,7 @@ class Page:
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
 
-        def place_pipes():  # the browser reads from 3 and writes to 4
+        def place_pipes():  # the browser reads from descriptor 3 and writes to 4
             os.dup2(to_browser, 100)
             os.dup2(from_browser, 101)
             os.dup2(100, 3)

@@ -11,7 +11,7 @@ import json
 import sys
 
 SHARE = 0.03
-STEPS = {"share": 0.002, "ssim": 0.01, "flip": 0.004, "relative_mse": 2e-4}  # by unit or by the end of the key; others none
+STEPS = {"share": 0.002, "ssim": 0.01, "flip": 0.004, "relative_mse": 2e-4}  # by unit or end of key; none for others
 COLUMNS = ("experiment", "table", "row", "column", "value", "tolerance")
 
 

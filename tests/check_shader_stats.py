@@ -9,7 +9,7 @@ import json
 import sys
 
 LIMITS = {"Spilled VGPRs": 0, "Scratch size": 0, "Spilled SGPRs": 32, "Code size": 32768}
-CHIPS = ("NAVI21", "POLARIS10")  # the order of the table's columns
+CHIPS = ("NAVI21", "POLARIS10")  # chips in the order of the table's columns
 DEFAULT_FRAME = ("irradiance", "glossy", "dim", "accumulate", "filter", "composite")
 
 

@@ -23,7 +23,7 @@ static const char description[] =
     "\"max\": [2, 2, 2]},\n\"pinned\": [[0, 1, 0], [1, 0, 0.5]], \"forbidden\": [{\"min\": [0, 0, 0], \"max\": [1, 1, "
     "1]}], \"min_distance\": 0.1}}";
 
-// A triangle with all that vertices may have.
+// Writes a triangle with every attribute that vertices may have.
 static void write_rich(const scene_folder *folder) {
   const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normals[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
   const float uvs[6] = {0, 1, 1, 1, 0, 0}, colors[12] = {1, 0, 0, 1, 0, 1, 0, 0.5f, 0, 0, 1, 1};

@@ -8,11 +8,11 @@
 
 #include <octalux/scene.h>
 
-// Write a description that uses all there is (textures, an environment's image, every kind of light, cameras, all that
-// can be said about probes, something to warn about) and return its path.
+// Write a description that uses every feature (textures, an environment's image, every kind of light, cameras, all
+// settings of probes, something to warn about) and return its path.
 const char *cooked_scenes_everything(const scene_folder *folder);
 
-// A cooked file's bytes, on a boundary of 64.
+// The bytes of a cooked file, aligned to 64.
 typedef struct cooked_bytes {
   uint8_t *bytes;
   size_t size_bytes;
@@ -21,10 +21,10 @@ typedef struct cooked_bytes {
 cooked_bytes cooked_bytes_read(const char *path);
 void cooked_bytes_free(cooked_bytes *file);
 
-// Make every checksum right that lies inside the file.
+// Correct every checksum whose chunk is inside the file.
 void cooked_bytes_seal(cooked_bytes file);
 
-// The bytes of a chunk, by its place in the file; none where the table points outside.
+// Return the bytes of the chunk at `index` of the table, or none where the table points outside the file.
 cooked_bytes cooked_bytes_chunk(cooked_bytes file, uint32_t index);
 
 #endif

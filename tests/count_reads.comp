@@ -1,5 +1,5 @@
-// The irradiance pass, writing what it reads of the field's images instead of light: filtered reads of the irradiance
-// volume, and texels of light field maps.
+// The irradiance pass, which here writes how often it reads the field's images instead of light: filtered reads of the
+// irradiance volume, and texels of light field maps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -31,7 +31,7 @@ void main() {
   if (outside_frame(pixel)) return;
   frame_surface surface;
   bool found = read_surface(pixel, surface);
-  // The light is kept, or compilers would drop the reads.
+  // The light is written as well, since compilers would otherwise remove the reads.
   vec3 light = vec3(0.0);
   if (found) light = frame_irradiance(pixel, surface);
   imageStore(irradiance_image, pixel, vec4(float(filtered), float(fetched), light.r, found ? 1.0 : 0.0));

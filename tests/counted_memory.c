@@ -1,4 +1,4 @@
-// Counts the memory that the library holds and asks for, by hooks that refuse blocks above 1 GiB, for fuzzers.
+// Counts the memory that the library holds and requests, by hooks that refuse blocks above 1 GiB, for fuzzers.
 #include "counted_memory.h"
 
 #include <octalux/base.h>

@@ -1,4 +1,4 @@
-// Bytes as text: base64, and data: URIs.
+// Encoding of bytes as text: base64, and data: URIs.
 #ifndef OLX_TESTS_DATA_URIS_H
 #define OLX_TESTS_DATA_URIS_H
 
@@ -8,7 +8,7 @@
 // Writes four digits for every three bytes begun, and a terminating zero.
 void encode_base64(const uint8_t *bytes, size_t size_bytes, char *text);
 
-// `size_bytes` of data as a URI: "data:application/octet-stream;base64,...". Free it.
+// Returns `size_bytes` of data as a URI: "data:application/octet-stream;base64,...". Free it.
 char *make_data_uri(const void *data, size_t size_bytes);
 
 #endif

@@ -109,7 +109,7 @@ def check_zoom(page):
     page.click("#fit")
     check(page.value("document.getElementById('zoom').textContent") == "fit", "fit fits")
     fitted = {pixel_under(page, pane) for pane in panes}
-    check(fitted <= {"22, 16", "22, 17"}, f"fitted, the middle is {fitted}")  # of 34 rows: between both
+    check(fitted <= {"22, 16", "22, 17"}, f"fitted, the middle is {fitted}")  # 34 rows: between two
     page.wheel(640, 20, 300)
     page.value("window.scrollTo(0, 0)")
     check(page.value("document.getElementById('zoom').textContent") == "fit", "the wheel elsewhere scrolls")

@@ -17,9 +17,9 @@ import browser
 
 SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WIDTH, HEIGHT = 640, 360
-SAMPLES = 4  # glossy rays a pixel, as `octalux render` has them unless it is told otherwise
-# Bound on the processor time of all the browser's processes until glossy light is there; other work on the machine does
-# not count.
+SAMPLES = 4  # glossy rays a pixel, the default of `octalux render`
+# Upper bound on the processor time of all the browser's processes until glossy light is shown; other work on the
+# machine does not count.
 MOST_PROCESSOR_SECONDS = 15
 faults = []
 
@@ -85,7 +85,7 @@ def processor_seconds(root):
         try:
             with open("/proc/%s/stat" % name, encoding="utf-8", errors="replace") as file:
                 words = file.read().rsplit(")", 1)[1].split()
-        except OSError:  # it has ended meanwhile
+        except OSError:  # the process has ended
             continue
         parents[int(name)], ticks[int(name)] = int(words[1]), int(words[11]) + int(words[12])
 

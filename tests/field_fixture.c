@@ -17,7 +17,7 @@ int field_set_up(void **state) {
 int field_tear_down(void **state) {
   field_fixture *f = *state;
   unlink(f->path);
-  const int result = rmdir(f->folder); // also proves that nothing else was left behind
+  const int result = rmdir(f->folder); // fails when any other file was left behind
   free(f);
   return result;
 }

@@ -1,5 +1,5 @@
-# Every experiment at its quick size: every number as in bench_quick.json, and the report of all of them in headless
-# Chromium. OCTALUX_SCREENSHOTS names a folder for pictures of it.
+# Every experiment at its quick size: checks every number against bench_quick.json, and shows the report of all of them
+# in headless Chromium. OCTALUX_SCREENSHOTS names a folder for screenshots of it.
 source "$(dirname "$0")/cli/expect.sh"
 OCTALUX=$OCTALUX_BENCH
 tests="$OCTALUX_SOURCE_DIR/tests"
@@ -15,12 +15,12 @@ else
   echo "skipped: no Chromium here to look at the report"
 fi
 
-# Scenes that are not here are left out, visibly.
+# Scenes that are missing are left out, and the output says so.
 expect 0 mcguire-resolution --size 24x16 --spp 2 --scenes nowhere
 grep -q "mcguire-resolution: living-room is left out: nowhere/living-room.json" stderr.txt || fail "no word on standard error"
 grep -q "^Left out: living-room: nowhere/living-room.json" stdout.txt || fail "no word of the missing scene"
 
-# Stopped among all, it leaves those experiments that have ended, and no fields.
+# When a run of all experiments is stopped, the results of finished experiments remain, and no fields.
 export TMPDIR=$PWD/temporary
 mkdir temporary
 mkdir ended

@@ -1,14 +1,15 @@
-# octalux-bench-gpu: it needs nothing but a Vulkan loader, tells every pass of a tiny run, and says what is wrong with
-# what it is given.
+# octalux-bench-gpu: it needs nothing but a Vulkan loader, reports every pass of a tiny run, and says what is wrong with
+# its input.
 source "$(dirname "$0")/cli/expect.sh"
 bench=$(dirname "$OCTALUX")/octalux-bench-gpu
 bake_cooked=$(dirname "$OCTALUX")/bench/bake_cooked
 [ -x "$bench" ] || { echo "skipped: built without Vulkan"; exit 77; }
 octalux=$OCTALUX
-# What drivers keep cannot be told by name once the loader has unloaded them; test_raster_vulkan looks for leaks.
+# Allocations that drivers keep cannot be named once the loader has unloaded them, so leaks are not detected here;
+# test_raster_vulkan looks for leaks.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 
-# From here on `expect` and its kin run the benchmark.
+# From here on `expect` and the other helpers run the benchmark instead of octalux.
 OCTALUX=$bench
 expect_usage "either --data DIR, or --scene" --quick
 expect_usage "either --data DIR, or --scene" --data . --scene a.olxs --field a.olx
@@ -35,8 +36,8 @@ fi
 grep -q "^0  " stdout.txt || fail "no device in the list"
 expect_failure "there is no Vulkan device 15; there are" --data . --device 15
 
-# A run compiles every shader, which takes most of this test's time, so there are three. One row is there, the others
-# are told to be missing; under the validation layers where there are some.
+# A run compiles every shader, which takes most of this test's time, so there are only three runs. In this one the data
+# of one row exist and the other rows are reported as missing; the validation layers are used where they are installed.
 "$octalux" scene builtin:cornell-glossy --cook glossy.olxs >/dev/null || fail "cook"
 "$bake_cooked" glossy.olxs glossy.olx 16 8 2x2x2 cage,bricks || fail "bake_cooked"
 mkdir data
@@ -45,7 +46,7 @@ cp glossy.olx data/cornell-256.olx
 tiny=(--quick --size 64x36 --frames 3)
 validate=--validate
 "$bench" --data . --device 15 --validate 2>&1 | grep -q "layers are not installed" && validate=
-# Stored light takes four texels of a probe at least, each with a read of its block of geometry and one of its light.
+# Stored light takes at least four texels of a probe, each with one read of its geometry block and one of its light.
 expect_json "o['width'] == 64 and o['height'] == 36 and o['frames'] == 3 and o['copy_gigabytes_a_second'] > 0 and
   [r['state'] for r in o['rows']] == ['skipped', 'done', 'skipped', 'skipped', 'skipped', 'skipped'] and
   'cornell-2048.olx is not there' in o['rows'][0]['problem'] and
@@ -62,13 +63,13 @@ expect_failure "no row could be run" --data data --rows kitchen,sponza "${tiny[@
 "$bake_cooked" glossy.olxs voronoi.olx 16 8 2x2x2 voronoi || fail "bake_cooked without cage"
 expect_failure "needs cage and bricks" --scene glossy.olxs --field voronoi.olx --compare "${tiny[@]}"
 
-# Both ways to trace.
+# This run compares both methods of tracing, two-level with cage and hiz with bricks.
 expect_json "(lambda c: c['two-level+cage']['counts']['steps'] > c['hiz+bricks']['counts']['steps'] > 1 and c['ratio'] > 0)(
   o['rows'][0]['compare'])" --scene glossy.olxs --field glossy.olx "${tiny[@]}" --compare $validate
 grep -q "^validation" stderr.txt && fail "the validation layers found fault"
 
-# For people, in a scene that is all diffuse: the paper's number, the bandwidth that was stated, and what is unlike the
-# paper.
+# The table for people, in a scene without glossy surfaces, shows the paper's number, the stated bandwidth, and how the
+# run differs from the paper's.
 "$octalux" scene builtin:cornell --cook data/cornell.olxs >/dev/null || fail "cook"
 expect 0 --data data --rows cornell-256 "${tiny[@]}" --bandwidth 100
 grep -q "glossy light: no ray" stdout.txt || fail "rays where nothing is glossy"
@@ -77,7 +78,7 @@ grep -q "paper 0.302" stdout.txt || fail "no number of the paper"
 grep -q "reckoned with 100.0 GB/s, as stated" stdout.txt || fail "the stated bandwidth is not used"
 grep -q "not the paper's 8 probes of 256" stdout.txt || fail "a smaller field passes for the paper's"
 
-# What it is given is broken.
+# Broken or missing input is refused with a message that says why.
 expect_failure "missing.olxs is not there" --scene missing.olxs --field glossy.olx "${tiny[@]}"
 expect_failure "missing.olx is not there" --scene glossy.olxs --field missing.olx "${tiny[@]}"
 expect_failure 'no camera named "back"' --scene glossy.olxs --field glossy.olx "${tiny[@]}" --camera back

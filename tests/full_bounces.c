@@ -1,4 +1,4 @@
-// Tests bounces between probes, by both ways of gathering them, against what is known and against the path tracer.
+// Tests bounces between probes, by both methods of gathering them, against known values and against the path tracer.
 #include "baked_field.h"
 #include "core/sampling.h"
 #include "field/maps.h"
@@ -34,7 +34,7 @@ static olx_bake_settings small_bake(const olx_scene *scene, olx_bounce_gather wa
   return settings;
 }
 
-// Mean of a probe's irradiance over its map.
+// Returns the mean of a probe's irradiance over its map.
 static double mean_irradiance(const olx_field *field, uint32_t probe) {
   const uint32_t n = field->irradiance_n;
   double sum = 0.0;
@@ -45,7 +45,7 @@ static double mean_irradiance(const olx_field *field, uint32_t probe) {
   return sum / (n * n);
 }
 
-// Everything emits 1 and reflects one half: after b bounces surfaces reflect 1 - 1/2^(b + 1).
+// With emission 1 and a reflectance of one half everywhere, surfaces reflect 1 - 1/2^(b + 1) after b bounces.
 static void each_bounce_of_a_furnace_adds_half_of_the_one_before(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:furnace");
@@ -69,7 +69,7 @@ static void each_bounce_of_a_furnace_adds_half_of_the_one_before(void **state) {
   olx_scene_free(scene);
 }
 
-// Behind a wall no probe sees light, and none that sees it is asked.
+// No probe behind the wall sees light, and no probe in front of it is used for points behind it.
 static void no_bounce_goes_through_a_wall(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:two-rooms-sealed");
@@ -83,14 +83,13 @@ static void no_bounce_goes_through_a_wall(void **state) {
       *(field->irradiance_positions[i].x < 0.0f ? &lit : &dark) += mean_irradiance(field, i);
     }
     print_message("%s: dark room over lit room %.2e\n", names[way], dark / lit);
-    assert_true(dark <= (ways[way] == OLX_GATHER_TRACED ? 0.0 : 1e-3 * lit)); // rays leave no doubt
+    assert_true(dark <= (ways[way] == OLX_GATHER_TRACED ? 0.0 : 1e-3 * lit)); // traced rays cannot leak at all
     olx_field_close(field);
   }
   olx_scene_free(scene);
 }
 
 // --- Cornell box, 4 x 4 x 4 probes
-// ----------------------------------------------------------------------------------------
 
 enum { SIDE = 32, MANY = 8 };
 
@@ -119,7 +118,7 @@ static void both_ways_come_to_the_path_tracers_light(void **state) {
   static const uint32_t counts[2] = {4, MANY};
   static const double most[2] = {0.03, 0.04};
   for (uint32_t i = 0; i < 2; i++) {
-    // Many bounces are all there are: what comes after eight is less than a thousandth.
+    // MANY bounces are compared with an infinite number of them: those after the eighth add less than a thousandth.
     const double truth = indirect_light(scene, NULL, counts[i] == MANY ? OLX_BOUNCES_INFINITE : counts[i] + 1);
     for (uint32_t way = 0; way < 2; way++) {
       olx_bake_settings settings = small_bake(scene, ways[way], counts[i]);
@@ -135,8 +134,8 @@ static void both_ways_come_to_the_path_tracers_light(void **state) {
   olx_scene_free(scene);
 }
 
-// What a probe itself holds, unfitted, over what paths bring to its place: the bounces alone, without interpolation at
-// the end.
+// Compares the irradiance that probes hold, without fitting, with what the path tracer finds at their positions. So it
+// measures the bounces alone, without the interpolation of a picture.
 static void both_ways_fill_probes_as_paths_do(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
@@ -166,7 +165,7 @@ static void both_ways_fill_probes_as_paths_do(void **state) {
             olx_path_irradiance(scene, field->irradiance_positions[probe], normal, 0.0f, bounces, PATHS, k));
       }
       print_message("%s, %u bounces: probes hold %+.2f %%\n", names[way], counts[i], 100.0 * (held / truth - 1.0));
-      // Interpolated irradiance is too bright near walls, at every bounce anew; rays find what is there.
+      // Interpolated irradiance is too bright near walls, and more so with every bounce; traced rays have no such bias.
       if (ways[way] == OLX_GATHER_TRACED) assert_true(fabs(held / truth - 1.0) <= 0.01);
       else assert_true(held > 1.02 * truth && held < 1.1 * truth);
       olx_field_close(field);

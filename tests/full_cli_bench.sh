@@ -1,4 +1,4 @@
-# Wang's experiments, small: tables as text, and the probe sets that are compared unless some are named.
+# Wang's experiments at a small size: tables as text, and the probe sets that are compared by default.
 source "$(dirname "$0")/cli/expect.sh"
 OCTALUX=$OCTALUX_BENCH
 scenes=(--scenes "$OCTALUX_SOURCE_DIR/scenes")

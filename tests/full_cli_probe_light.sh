@@ -1,4 +1,5 @@
-# Probe light from the command line: what keeps it, what a field without it says of itself, and what needs it.
+# Probe light from the command line: options that store it, what commands report about a field without it, and options
+# that need it.
 source "$(dirname "$0")/cli/expect.sh"
 small=(--grid 2x2x2 --radiance-size 16 --bounces 1 --noise 0.3)
 
@@ -16,13 +17,13 @@ grep -q "bake --probe-light" stdout.txt || fail "info does not say how to get pr
 expect 0 bake builtin:cornell -o told.olx "${small[@]}"
 grep -q "irradiance probes" stdout.txt && fail "a bake tells of irradiance probes that it does not make"
 
-# A dry run reckons either.
+# A dry run estimates sizes with and without probe light.
 expect_json 'o["irradiance_probes"] == 0 and o["fits"] and o["file_bytes"] < 400000' \
   bake builtin:cornell -o dry.olx "${small[@]}" --dry-run
 expect_json 'o["irradiance_probes"] == 27 and o["file_bytes"] > 3000000' \
   bake builtin:cornell -o dry.olx "${small[@]}" --probe-light --dry-run
 
-# Who says how probe light is to be made wants it, and some options stand on it.
+# Options about how probe light is made imply --probe-light, and so do options that depend on probe light.
 for options in "--irradiance-grid 2x2x2" "--irradiance-size 128" "--irradiance octahedral" "--bounce-gather solved" "--no-fit" \
   "--volume-cells 0" "--light reference --reference-paths 1" "--classic --classic-size 32 --cube-size 32" \
   "--relight --irradiance-size 16"; do
@@ -31,7 +32,7 @@ done
 expect 0 bake builtin:cornell -o implied.olx "${small[@]}" --irradiance octahedral
 cmp -s implied.olx full.olx || fail "--irradiance octahedral is not --probe-light"
 
-# A default picture reads nothing of it; what does is refused.
+# A default picture does not read probe light; options that do are refused without it.
 for field in plain full; do
   expect 0 render builtin:cornell --field $field.olx -o $field.exr --size 32x24 --spp 1
 done
@@ -45,7 +46,7 @@ done
 expect_failure "bake --probe-light" audit builtin:cornell --field plain.olx --rays 2 --points 2 --spp 1 --hits stored
 [ -e refused.exr ] && fail "a refused render leaves a file"
 
-# The audit judges irradiance probes where there are some.
+# The audit compares irradiance probes where the field has them.
 expect_json '"irradiance_points" not in o and "space_irradiance_probes" not in o and o["points"]["count"] == 10
   and o["space_volume"]["count"] > 0' \
   audit builtin:cornell --field plain.olx --rays 2 --points 10 --spp 4 --space 4

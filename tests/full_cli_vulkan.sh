@@ -1,12 +1,12 @@
-# Pictures from a Vulkan device and from the CPU: the selectors, tracers, scenes and modes that test_cli_vulkan.sh has
-# no time for.
+# Compares pictures from a Vulkan device with those from the CPU: the selectors, tracers, scenes and modes that
+# test_cli_vulkan.sh has no time for.
 source "$(dirname "$0")/cli/devices.sh"
 
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4
 compare_devices builtin:cornell-glossy cornell.olx --spp 3 --glossy-samples 2 --seed 5 --dim-lobe 0.2 --tracer texel \
   --select exhaustive --visibility none --keep-buried
-# Neighbour maps, with so many probes that the nearest is found by the tree; they are the best of what this field has
-# for the device. Voxels run on the CPU alone.
+# This field has neighbour maps and so many probes that the nearest one is found by the octree; the device uses
+# neighbour maps since voxels work on the CPU alone.
 "$OCTALUX" bake builtin:cornell-glossy -o neighbours.olx --grid 5x4x4 --radiance-size 32 --irradiance-size 8 --bounces 0 \
   --select voronoi,octree 2>stderr.txt
 compare_devices builtin:cornell-glossy neighbours.olx --spp 1 --keep-buried

@@ -1,5 +1,5 @@
-# The demo: its first picture is named long before its end, all of it takes at most 150 seconds of processor time, its
-# references are smooth, and its page holds every picture and refers to nothing outside its folder.
+# The demo: it names its first picture long before its end, takes at most 150 seconds of processor time in all, has
+# references without visible noise, and its page holds every picture and refers to nothing outside its folder.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -14,15 +14,15 @@ sed '/first picture/q' "$work/said.txt" | grep "path trace" && { echo "the first
 [ "$(grep -o '<img' "$work/demo/index.html" | wc -l)" -eq 11 ]
 grep -qE '(src|href)="?(https?:|//|/)' "$work/demo/index.html" && { echo "the page refers to something outside its folder"; exit 1; }
 
-# Where this build has a page to walk through a room, the room's is beside ours and linked.
+# Where this build has the web page for walking through a room, the demo writes the room's page and links to it.
 if [ -e "$(dirname "$OCTALUX")/web/index.html" ]; then
   [ -s "$work/demo/walk/field.olx.gz" ] && grep -q 'href="walk/index.html"' "$work/demo/index.html" || { echo "no way to walk through"; exit 1; }
 else
   grep -q "there is none: .*npm" "$work/said.txt" || { echo "nothing says why there is no way to walk through"; exit 1; }
 fi
 
-# Noise: another seed's picture with a quarter of the samples differs from the reference by five times what the
-# reference is off, in mean square, and that is less than 0.005 of the indirect light's.
+# Bounds the reference's noise: a picture with another seed and a quarter of the samples differs from it by five times
+# the reference's own mean squared error, which must be less than 0.005 of the indirect light's square.
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 "$OCTALUX" render "$work/demo/cornell.json" -o "$work/other.exr" --method path --camera front --size 176x176 --spp 100 \
   --bounces 3 --seed 7 >/dev/null

@@ -22,7 +22,7 @@ static place make(const char *name) {
   place p = {NULL, NULL};
   assert_int_equal(olx_scene_load(name, &p.scene), OLX_OK);
   olx_bake_settings settings = olx_bake_settings_default(p.scene);
-  settings.irradiance_grid = settings.grid; // in the rooms 16 probes, as in the dissertation
+  settings.irradiance_grid = settings.grid; // 16 probes in the dissertation's rooms, as published
   settings.radiance_size = 32;
   settings.irradiance_size = 64;
   settings.bounces = BOUNCES;
@@ -52,7 +52,7 @@ static olx_image picture(const place *p, olx_method method, const char *view, ui
   return image;
 }
 
-// Mean of the indirect light that a camera sees.
+// Returns the mean of the indirect light that a camera sees.
 static double indirect_light(const place *p, olx_method method, const char *view) {
   olx_image image = picture(p, method, view, 0);
   double sum = 0.0;
@@ -71,7 +71,7 @@ static void the_sealed_rooms_leak_is_a_hundredth_of_the_baselines(void **state) 
                classic = indirect_light(&p, OLX_METHOD_CLASSIC, "dark"),
                lit = indirect_light(&p, OLX_METHOD_PATH, "lit");
   print_message("dark room over lit room: field %.6f, classic %.4f\n", field / lit, classic / lit);
-  assert_true(classic > 0.1 * lit); // the wall does leak
+  assert_true(classic > 0.1 * lit); // without visibility the wall leaks
   assert_true(field <= 0.01 * classic);
   give_back(&p);
 }
@@ -89,7 +89,7 @@ static void light_passes_a_gap_as_it_grows(void **state) {
                  truth = indirect_light(&p, OLX_METHOD_PATH, "dark");
     print_message("a gap of %s m: far room %.5f, field %+.1f %%, classic %+.1f %%\n", gaps[i], truth,
                   100.0 * (field / truth - 1.0), 100.0 * (classic / truth - 1.0));
-    assert_true(field > 0.85 * truth && field < 1.15 * truth); // maps of 32^2
+    assert_true(field > 0.85 * truth && field < 1.15 * truth); // a wide bound, since maps have only 32^2 texels
     assert_true(field > before && truth > truth_before);
     before = field;
     truth_before = truth;
@@ -97,7 +97,8 @@ static void light_passes_a_gap_as_it_grows(void **state) {
   }
 }
 
-// Mean square error against the path tracer, less the noise of the reference, which two pictures tell.
+// Mean squared errors against the path tracer, less the reference's noise, which the difference of two references
+// gives.
 typedef struct errors {
   double field, classic;
 } errors;

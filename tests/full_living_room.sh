@@ -1,5 +1,6 @@
-# The living room on 4x4x4 probes of 512^2: rays, irradiance and traced light within bounds, and memory within 1.5 times
-# the file's size and that of the solved light. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes.
+# The living room on 4x4x4 probes of 512^2: rays, irradiance and traced light stay within bounds, and memory within 1.5
+# times the sum of the file's size and the solved light's. Models are searched for in OCTALUX_SCENES, or in
+# ../shared/scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 description=$OCTALUX_SOURCE_DIR/scenes/living-room.json

@@ -1,6 +1,7 @@
-# Every method places probes in every scene where they may be, by a check that shares nothing with placement; cover sees
-# what docs/studies/placement.md says it sees. Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside
-# the checkout. Probes are moved by both optimizers in the scenes that OPTIMIZED names; soak_place.sh does so in all.
+# Every method places probes where they may be in every scene, according to a check that shares no code with placement;
+# the probes of the method cover see as much as docs/studies/placement.md says. Models are searched for in
+# OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Both optimizers move probes in the scenes that OPTIMIZED
+# names; soak_place.sh does so in all scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 optimized=${OPTIMIZED:-cornell kitchen}
@@ -19,10 +20,10 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   fi
   sets=() shares=() clearances=()
   for method in sdf medial cover; do
-    # What the report says is covered, and what the check finds. Covers see 99.9 % (docs/studies/placement.md). The
-    # skeletons' methods stop at their clusters, whatever those see: nine by sdf in Sponza 78 %, fourteen in pandora 91
-    # %, elsewhere they see 98.6 % and more. The check's ball finds the way out of pandora, to where no probe has to see
-    # anything.
+    # `told` is the least coverage that the report may state, `covered` the least that the check may find. The method
+    # cover reaches 99.9 % (docs/studies/placement.md). The skeletons' methods place one probe for each cluster,
+    # whatever these probes see: nine by sdf in Sponza 78 %, fourteen in pandora 91 %; in other scenes they see 98.6 %
+    # and more. The check's ball finds the way out of pandora, to regions that no probe has to see.
     told=0.98
     [ $name = pandora ] && told=0.9
     [ $name = sponza ] && told=0.76
@@ -30,8 +31,8 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
     covered=$told
     [ $name = pandora ] && covered=0.38
     [ $name = pandora ] && [ $method = cover ] && covered=0.42
-    # Half a voxel: of a 160th of the longest side, and of 0.25 m in the tiles of pandora's cover, whose diagonal is 219
-    # m.
+    # The clearance is half a voxel: half of 1/160 of the longest side, and in pandora, whose diagonal is 219 m, half of
+    # 0.25 m in the tiles of cover.
     clearance=0.0009
     [ $name = pandora ] && [ $method = cover ] && clearance=0.0005
     ways=none
@@ -53,8 +54,8 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   echo "$name: fine"
 done
 
-# Held-out rays of the program, and the check's own. Twenty seconds on two processors are told by processor time, which
-# other tests beside this one do not lengthen as they do the clock's.
+# Compares held-out rays of the program with those of the check. The limit of twenty seconds on two processors is
+# measured in processor time, which other tests running beside this one do not lengthen.
 scene=$OCTALUX_SOURCE_DIR/scenes/sponza.json
 "$OCTALUX" scene "$scene" >/dev/null 2>&1 || { echo "no sponza in $OCTALUX_SCENES"; exit 77; }
 while read -r share options; do

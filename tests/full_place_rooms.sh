@@ -1,6 +1,6 @@
-# A building of ROOMS x ROOMS rooms of 10 m with doors of one metre, by default settings: at least 99 % of what is seen
-# from all of it is covered, as placement_check finds, in bounded processor time and memory; and a bake with these
-# probes names its sizes.
+# A building of ROOMS x ROOMS rooms of 10 m with doors of one metre, with default settings: placement_check finds at
+# least 99 % of what is seen from anywhere covered, in bounded processor time and memory; and a bake with these probes
+# reports its sizes.
 set -euo pipefail
 rooms=${ROOMS:-10} seconds=${SECONDS_ALLOWED:-60} megabytes=${MEGABYTES:-500}
 work=$(mktemp -d)

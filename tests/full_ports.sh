@@ -1,6 +1,6 @@
-# The runtime alone, built for other machines and C libraries, answers as it does here: for 64-bit ARM under an
-# emulator, with musl linked statically, and of C17 without POSIX (OCTALUX_SYSTEM=plain), which calls nothing of threads
-# or of POSIX files.
+# The runtime alone, built for other machines and C libraries, gives the same answers as on this machine: for 64-bit ARM
+# under an emulator, linked statically with musl, and in C17 without POSIX (OCTALUX_SYSTEM=plain), where it calls no
+# functions of threads or of POSIX files.
 set -euo pipefail
 for tool in aarch64-linux-gnu-gcc qemu-aarch64 musl-gcc; do
   command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
@@ -9,14 +9,14 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# port NAME [CMAKE-ARGUMENT...]: the runtime and tests/ports/answers.c, built in $work/NAME.
+# port NAME [CMAKE-ARGUMENT...]: builds the runtime and tests/ports/answers.c in $work/NAME.
 port() {
   local name=$1 build=$work/$1
   shift
   cmake -S "$OCTALUX_SOURCE_DIR" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DOCTALUX_BAKER=OFF -DOCTALUX_VULKAN=OFF "$@"
   cmake --build "$build" --target octalux octalux-shared answers
 }
-# The C compiler for musl does not look where other libraries' headers are.
+# The C compiler for musl does not search the folders of other libraries' headers.
 mkdir "$work/headers"
 ln -s /usr/include/xxhash.h /usr/include/xxh3.h "$work/headers"
 port here
@@ -30,8 +30,8 @@ qemu-aarch64 -L /usr/aarch64-linux-gnu "$work/arm64/answers" "$work/cornell.olx"
 grep -q 'this build writes no files' "$work/plain.said" || { echo "FAILED: plain C wrote by POSIX"; failed=1; }
 [ "$(grep -c '^surface ' "$work/here.txt")" -gt 1000 ] || { echo "FAILED: most rays find nothing"; failed=1; }
 
-# Every build prints the same statements in the same order. Sines and powers of other C libraries differ in their last
-# bits, which decide about a ray at an edge: as many as one number in 500 may be another by more than a thousandth.
+# Every build prints the same lines in the same order. Sines and powers of other C libraries differ in their last bits,
+# which can decide where a ray at an edge ends: up to one number in 500 may differ by more than a thousandth.
 cat >"$work/compare.py" <<'PYTHON'
 import sys
 here, there = ([line.split() for line in open(name)] for name in sys.argv[1:3])
@@ -44,7 +44,7 @@ PYTHON
 for name in plain musl arm64; do python3 "$work/compare.py" "$work/here.txt" "$work/$name.txt" || failed=1; done
 cmp "$work/here.txt" "$work/plain.txt" || { echo "FAILED: without POSIX it answers otherwise"; failed=1; }
 
-# What plain C leaves undefined is of the C library's standard part, but for what the compiler itself calls.
+# The plain build may leave only functions of C's standard library undefined, and those that the compiler itself calls.
 nm -u "$work/plain/src/liboctalux.a" | awk '/ U / { print $2 }' | sort -u >"$work/undefined.txt"
 if grep -E '^(pthread_|thrd_|open|openat|close|read|write|pread|pwrite|mmap|munmap|f?stat|ioctl|poll|sysconf|clock_gettime|fsync|link|rename|unlink|flock|getpid|usleep|nanosleep|dl(open|sym))' \
   "$work/undefined.txt"; then

@@ -11,5 +11,5 @@ cd "$work"
 PYTHONPATH=$OCTALUX_SOURCE_DIR/python OCTALUX_LIBRARIES=$(dirname "$OCTALUX")/src PYTHONDONTWRITEBYTECODE=1 \
   "$python" "$OCTALUX_SOURCE_DIR/python/examples/resolution.py" | tee found.txt
 head -c 4 resolution.png | grep -q PNG
-# Glossy light, which is the last number of a line, at the smallest and at the largest maps.
+# The last number of a line is the error of glossy light; it must be smaller at the largest maps than at the smallest.
 awk '{ gsub(",", ""); value[NR] = $NF } END { exit !(NR == 5 && value[5] < 0.3 * value[1]) }' found.txt

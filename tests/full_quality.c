@@ -1,5 +1,5 @@
-// Holds the built-in scenes to the quality that they must show against ray casting and path tracing
-// (docs/studies/light.md, docs/studies/leaks.md).
+// Checks that the built-in scenes reach the quality that docs/studies/light.md and docs/studies/leaks.md state, against
+// ray casting and path tracing.
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -22,7 +22,7 @@ static olx_scene *load(const char *name) {
 
 typedef struct baking {
   uint32_t size, bounces;
-  bool same_grid; // irradiance probes where the light field probes are, as published
+  bool same_grid; // irradiance probes at the positions of the light field probes, as published
   bool fit;
 } baking;
 
@@ -47,7 +47,7 @@ static double mean_of_layer(const olx_image *image, olx_layer layer) {
   return sum / (3.0 * image->width * image->height);
 }
 
-// Mean of all indirect light that a camera sees, diffuse light from irradiance probes.
+// Returns the mean of all indirect light that a camera sees, with diffuse light from irradiance probes.
 static double indirect_light(const olx_scene *scene, const olx_field *field, const char *view,
                              olx_visibility visibility) {
   olx_render_settings settings = olx_render_settings_default(OLX_METHOD_FIELD);
@@ -76,12 +76,12 @@ static void a_sealed_room_stays_dark(void **state) {
                            indirect_light(scene, field, "lit", OLX_VISIBILITY_NONE);
   print_message("dark room over lit room: %.6f with visibility, %.3f without\n", leak, published);
   assert_true(leak <= 1e-3);
-  assert_true(published > 0.1); // without visibility the wall leaks: the test would notice a scene that cannot
+  assert_true(published > 0.1); // without visibility the wall leaks, so this scene can show a leak
   olx_field_close(field);
   olx_scene_free(scene);
 }
 
-// Irradiance on the floor around a pillar's foot, over the path tracer's.
+// Returns the irradiance on the floor around a pillar's foot, relative to the path tracer's.
 static double light_around(const olx_scene *scene, const olx_field *field, const olx_sample_settings *settings, float x,
                            float z, float radius) {
   enum { POINTS = 48 };
@@ -116,7 +116,7 @@ static void no_darkness_pools_around_pillars_over_probes(void **state) {
       print_message("pillar %u, %s: %.3f of the path tracer's; without visibility %.3f, with buried probes %.3f\n", i,
                     fit ? "fitted" : "exact", ours, plain, theirs);
       assert_true(ours >= 0.8);
-      if (i < 2) assert_true(theirs < 0.9 * plain); // the pools of Fig. 10, where probes are buried
+      if (i < 2) assert_true(theirs < 0.9 * plain); // dark pools as in Fig. 10, at pillars in which probes are buried
     }
     olx_field_close(field);
   }

@@ -1,5 +1,5 @@
-# The report in headless Chromium: opens from disk without an error, its controls do what they say, at two widths, light
-# and dark. OCTALUX_SCREENSHOTS names a folder for pictures of it.
+# The report in headless Chromium: it opens from disk without an error, and its controls work, at two widths, in light
+# and dark colours. OCTALUX_SCREENSHOTS names a folder for screenshots of it.
 source "$(dirname "$0")/cli/expect.sh"
 tests="$OCTALUX_SOURCE_DIR/tests"
 if ! PYTHONDONTWRITEBYTECODE=1 python3 -c "import sys; sys.path.insert(0, '$tests'); import browser; sys.exit(not browser.find())"; then

@@ -1,5 +1,5 @@
-# Every scene description whose model is here goes the whole way, small: import, bake, verify, render, compare, audit.
-# Models are looked for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout.
+# Every scene description whose model is present passes through every stage at a small size: import, bake, verify,
+# render, compare, audit. Models are searched for in OCTALUX_SCENES, or in ../shared/scenes beside the checkout.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 [ -d "${OCTALUX_SCENES%%:*}" ] || { echo "no scenes in $OCTALUX_SCENES"; exit 77; }
@@ -11,7 +11,7 @@ source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 count=0
 for description in "$OCTALUX_SOURCE_DIR"/scenes/*.json; do
   name=$(basename "$description" .json)
-  # A model that is not here is skipped, in words; anything else that goes wrong fails.
+  # A scene whose model is missing is skipped with a message; any other error fails the test.
   if ! "$OCTALUX" scene "$description" --json >"$work/scene.json" 2>"$work/scene.log"; then
     grep -q 'not found\|cannot open\|No such file' "$work/scene.log" || { cat "$work/scene.log"; exit 1; }
     echo "$name: skipped: $(tail -n 1 "$work/scene.log")"

@@ -1,2 +1,2 @@
-# The bounds of tests/shader_bounds.tsv on an older chip, polaris10, whose shaders run in waves of 64.
+# Checks the bounds of tests/shader_bounds.tsv on an older chip, polaris10, whose shaders run in waves of 64.
 OLX_CHIP=polaris10 exec bash "$(dirname "$0")/test_shader_stats.sh"

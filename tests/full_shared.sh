@@ -1,10 +1,10 @@
-# BUILD_SHARED_LIBS makes both libraries shared, and an installation of them works where it is moved to; cmocka is not
+# BUILD_SHARED_LIBS makes both libraries shared, an installation of them works after it was moved, and cmocka is not
 # needed to build.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Every pkg-config file but cmocka's.
+# This folder holds every pkg-config file but cmocka's.
 mkdir "$work/pkgconfig"
 for folder in $(pkg-config --variable pc_path pkg-config | tr : ' '); do
   find "$folder" -maxdepth 1 -name '*.pc' ! -name 'cmocka.pc' -exec ln -sf -t "$work/pkgconfig" {} + 2>/dev/null || true

@@ -1,4 +1,4 @@
-# Every command stops within a second on a real scene: while it is imported, cooked, placed in and baked.
+# Every command stops within a second on a real scene: while it imports or cooks the scene, places probes or bakes.
 set -euo pipefail
 cd "$(dirname "$0")"
 : "${OCTALUX_SCENES:=$OCTALUX_SOURCE_DIR/../shared/scenes}"

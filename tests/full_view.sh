@@ -1,15 +1,14 @@
-# The viewer when things go wrong, and with lights that move: what cannot work says so and leaves nothing. On Mesa's CPU
-# device.
+# The viewer on Mesa's CPU device: moving lights, and failures, which are reported and leave no files behind.
 source "$(dirname "$0")/cli/viewer.sh"
 validate=
 "$OCTALUX" "${view[@]}" --offscreen --frames 1 --validate >stdout.txt 2>stderr.txt && validate=--validate
 
-# Without the program beside it, the command says what is missing.
+# Without octalux-view beside it, the command says that the viewer is missing.
 cp "$program" alone
 "./alone" view builtin:cornell --field a.olx >stdout.txt 2>stderr.txt && fail "a viewer that is not there ran"
 grep -q "octalux-view is not there" stderr.txt || fail "no word of the missing viewer"
 
-# Lights that move, and indirect light that follows them or stays as it was. The same script gives the same pictures.
+# When lights move, indirect light follows them or stays as baked, and the same script gives the same pictures.
 printf '{"model": "builtin:cornell", "lights": [{"type": "point", "position": [0.1, 0.12, 0.1], "intensity": [0.4, 0.3, 0.5]}]}' >lit.json
 "$OCTALUX" bake lit.json -o lit.olx --grid 2x2x2 --radiance-size 16 --irradiance-size 16 --bounces 4 --relight >stdout.txt 2>stderr.txt
 cat >lights.txt <<'SCRIPT'
@@ -48,7 +47,7 @@ expect 0 "${lights[@]}" --relight
 cmp -s settled.png first.png || fail "the same script gives another picture"
 expect_failure "bake --relight" "${view[@]}" --relight --offscreen --frames 1
 
-# What cannot work says so, and leaves nothing.
+# Errors are reported with their reasons and leave no picture behind.
 head -c 8 cornell.olx >newer.olx
 printf '\x07' >>newer.olx
 tail -c +10 cornell.olx >>newer.olx
@@ -71,13 +70,13 @@ VK_ICD_FILENAMES=/nonexistent.json expect_failure "Vulkan" "${view[@]}" --offscr
 fault version:1:0 expect_failure "no Vulkan 1.2 device" "${view[@]}" --offscreen --frames 1
 fault submit:1:$lost expect_failure "lost" "${view[@]}" --offscreen --frames 3
 fault submit:14:$lost expect_failure "lost" "${view[@]}" --offscreen --frames 20
-# Allocations for the field, the lamps, the panel's letters.
+# These numbers of allocations fall on the field, the lamps and the panel's letters.
 for number in 3 21 35; do
   fault memory:$number:$out_of_memory expect_failure "memory\|letters" "${view[@]}" --offscreen --frames 1
 done
 
 start_display
-# Relighting beside the pictures, on a thread of its own.
+# Relighting runs on a thread of its own while pictures are drawn.
 expect 0 view lit.json --field lit.olx --size 64x48 --relight --frames 12 --screenshot beside.png $validate
 check 'not uniform(p[0]) and mean(p[0]) > 10' beside.png
 fault acquire:2:$out_of_date expect 0 "${view[@]}" --frames 4 --screenshot again.png

@@ -1,5 +1,5 @@
-# The living room's picture from a Vulkan device and from the CPU: relative MSE below 1e-3 a layer. Models are looked
-# for in OCTALUX_SCENES, or in ../shared/scenes.
+# Compares the living room's picture from a Vulkan device with the CPU's: relative MSE below 1e-3 in each layer. Models
+# are searched for in OCTALUX_SCENES, or in ../shared/scenes.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 description=$OCTALUX_SOURCE_DIR/scenes/living-room.json
@@ -9,8 +9,8 @@ trap 'rm -rf "$work"' EXIT
 
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
-# 16 rays a pixel: the few that take another texel at an edge, because positions come back from a depth image, average
-# out.
+# With 16 rays a pixel, the few rays that read another texel at an edge, because positions are reconstructed from a
+# depth image, average out.
 view=(--field "$work/field.olx" --size 160x90)
 "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 4x4x4 --radiance-size 256 --irradiance-size 64 --bounces 1 \
   --select cage,bricks 2>/dev/null

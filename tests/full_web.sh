@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The exported page in headless Chromium, on its software renderer: it loads, its tools work, its light is that of
-# `octalux render`.
+# The exported page in headless Chromium, on its software renderer: it loads, its tools work, and its light agrees with
+# that of `octalux render`.
 set -euo pipefail
 source_dir=${OCTALUX_SOURCE_DIR:?}
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null ||
@@ -15,7 +15,7 @@ most_error=5e-4
 "$OCTALUX" render builtin:cornell-glossy --field "$work/field.olx" --size 640x360 --spp 1 --glossy-samples 4 --centered -o "$work/render.exr" >/dev/null
 python3 "$source_dir/tests/drive_web.py" "$work/room" "$work"
 
-# within LAYER: the page's pixels are those of the same rays.
+# within LAYER: checks that the page's pixels agree with those of octalux render for the same rays.
 within() {
   "$OCTALUX" compare "$work/page.exr" "$work/render.exr" --layer "$1" --json >"$work/compare.json"
   python3 -c '
@@ -27,7 +27,7 @@ sys.exit(not layer["relative_mse"] <= float(sys.argv[3]))' "$work/compare.json" 
 within indirect_diffuse
 within indirect_glossy
 
-# Our own code is small beside three.js.
+# The page's own code is small beside three.js.
 ours=$(cd "$work/room" && cat $(ls | grep -vE '^(three|GLTFLoader|BufferGeometryUtils|SkeletonUtils|scene|field\.olx)') | gzip -9 | wc -c)
 echo "our code: $ours bytes compressed"
 [ "$ours" -le 300000 ]

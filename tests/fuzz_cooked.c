@@ -1,6 +1,6 @@
 // Hostile cooked scenes: fuzz_cooked COUNT [SEED] loads COUNT mutated files. Each must become a scene whose numbers are
-// in order, or be refused with a message, and leave no memory behind. Most files have right checksums, so that what
-// lies behind them is met. Files depend on (seed, round) alone.
+// valid, or be refused with a message, and leave no memory behind. Most files have right checksums, so that the checks
+// behind them are reached. Files depend on (seed, round) alone.
 #include "cooked_scenes.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
@@ -27,7 +27,7 @@ static uint32_t extreme_number(random_stream *r) {
   return draw(r, 4) ? numbers[draw(r, sizeof numbers / sizeof *numbers)] : draw(r, 0) ^ olx_hash(r->drawn);
 }
 
-// Spoil one place of a chunk: a 32-bit number most of the time, for all of the format is made of these.
+// Damages one place of a chunk, most often a 32-bit number, since nearly all of the format consists of them.
 static void spoil_chunk(random_stream *r, cooked_bytes file) {
   const cooked_bytes chunk = cooked_bytes_chunk(file, draw(r, OLX_COOKED_CHUNKS));
   if (chunk.size_bytes < 4) return;
@@ -64,7 +64,7 @@ static void demand(bool holds, const char *what, uint32_t round) {
   abort();
 }
 
-// Rays over the whole scene read every part of it: corners, materials, texels, lights.
+// Casts rays over the whole scene, which read every part of it: corners, materials, texels, lights.
 static void use_scene(const olx_scene *scene, uint32_t round) {
   const olx_vec3 center = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   demand(olx_finite(scene->bounds_min) && olx_finite(scene->bounds_max), "bounds", round);

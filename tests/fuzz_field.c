@@ -62,14 +62,14 @@ typedef struct buffer {
 static olx_file_header *header_of(buffer b) { return (olx_file_header *)b.bytes; }
 static olx_file_chunk *table_of(buffer b) { return (olx_file_chunk *)(b.bytes + sizeof(olx_file_header)); }
 
-// Chunks that the table can name inside the file.
+// Returns the number of entries of the chunk table that are inside the file.
 static uint32_t chunks_inside(buffer b) {
   if (b.size_bytes < sizeof(olx_file_header)) return 0;
   const size_t fit = (b.size_bytes - sizeof(olx_file_header)) / sizeof(olx_file_chunk);
   return header_of(b)->chunk_count < fit ? header_of(b)->chunk_count : (uint32_t)fit;
 }
 
-// The bytes of a chunk; none when the table points outside.
+// Returns the bytes of a chunk, or none when the table points outside the file.
 static buffer chunk_of(buffer b, uint32_t index) {
   if (index >= chunks_inside(b)) return (buffer){0};
   const olx_file_chunk *chunk = &table_of(b)[index];
@@ -78,7 +78,7 @@ static buffer chunk_of(buffer b, uint32_t index) {
   return (buffer){b.bytes + chunk->offset, chunk->size_bytes};
 }
 
-// Make every checksum right that lies inside the file.
+// Corrects every checksum whose chunk is inside the file.
 static void seal(buffer b) {
   if (b.size_bytes < sizeof(olx_file_header)) return;
   const uint32_t count = chunks_inside(b);
@@ -151,7 +151,7 @@ static void change_table(dice *d, buffer *b) {
   }
 }
 
-// One of the description's numbers, or all.
+// Changes one or two numbers of the description.
 static void change_info(dice *d, buffer *b) {
   const buffer info = chunk_of(*b, OLX_CHUNK_INFO);
   if (info.size_bytes < sizeof(olx_file_info)) return;
@@ -192,7 +192,7 @@ static void stretch_grid(dice *d, olx_file_grid *grid, buffer positions) {
   }
 }
 
-// A description that holds together, of a scene absurdly large, small, or far away.
+// Changes the description consistently to a scene that is absurdly large, small, or far away.
 static void stretch_space(dice *d, buffer *b) {
   const buffer info = chunk_of(*b, OLX_CHUNK_INFO);
   if (info.size_bytes < sizeof(olx_file_info)) return;
@@ -209,7 +209,7 @@ static uint16_t hostile_half(dice *d) {
   return i < sizeof values / sizeof values[0] ? values[i] : (uint16_t)draw(d);
 }
 
-// Maps, flags and pyramids: a few codes, a run of one code, or noise all over.
+// Damages maps, flags and pyramids: a few codes, a run of one code, or noise everywhere.
 static void change_maps(dice *d, buffer *b) {
   static const olx_chunk_kind kinds[] = {
       OLX_CHUNK_RADIANCE,         OLX_CHUNK_NORMAL,     OLX_CHUNK_DISTANCE, OLX_CHUNK_DISTANCE, OLX_CHUNK_LEAST,
@@ -229,7 +229,7 @@ static void change_maps(dice *d, buffer *b) {
   }
 }
 
-// The words of a selector's structure, of classic maps or of what relighting needs, the first ones more often than the
+// Damages words of a selector's structure, of classic maps or of relighting data, the first words more often than the
 // rest.
 static void change_optional(dice *d, buffer *b) {
   const uint32_t count = chunks_inside(*b);
@@ -252,7 +252,7 @@ static void spoil(dice *d, buffer *b) {
 }
 // --- Using what opened
 
-static dice current; // for the messages of a crash
+static dice current; // the round that a crash report names
 
 static void report_round(void) {
   fprintf(stderr, "fuzz_field: round %u of seed %u; repeat it with: fuzz_field 1 %u %u\n", current.round, current.seed,
@@ -269,7 +269,7 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, field_counts
   scratch->size_bytes = base->size_bytes;
   memcpy(scratch->bytes, base->bytes, base->size_bytes);
   spoil(d, scratch);
-  // Exactly as long as the file, so that the address sanitizer sees the first byte beyond.
+  // This copy is exactly as long as the file, so that the address sanitizer detects a read of the first byte beyond.
   void *exact = NULL;
   if (posix_memalign(&exact, OLX_CHUNK_ALIGNMENT, scratch->size_bytes ? scratch->size_bytes : 1) != 0) abort();
   memcpy(exact, scratch->bytes, scratch->size_bytes);
@@ -277,10 +277,10 @@ static void run_round(dice *d, const buffer *base, buffer *scratch, field_counts
   free(exact);
 }
 
-// Present when the program is built with a sanitizer.
+// The function exists only when the program is built with a sanitizer.
 void __sanitizer_set_death_callback(void (*callback)(void)) __attribute__((weak));
 
-// Rounds are small: threads would cost more than they bring.
+// Runs jobs in order on one thread: rounds are so small that threads would take more time than they save.
 static void run_in_order(void *user, uint32_t count, uint32_t threads, void (*job)(void *, uint32_t), void *job_user) {
   (void)user;
   (void)threads;
@@ -300,7 +300,7 @@ static bool make_bases(buffer bases[SHAPES], buffer *scratch) {
     if (bases[i].size_bytes > longest) longest = bases[i].size_bytes;
   }
   unlink(path);
-  scratch->bytes = olx_allocate(longest + 3 * (MOST_ADDED + 1), 1); // three changes of size in one round
+  scratch->bytes = olx_allocate(longest + 3 * (MOST_ADDED + 1), 1); // room for three changes of size in one round
   return made && scratch->bytes;
 }
 

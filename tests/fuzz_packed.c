@@ -1,7 +1,7 @@
 // Hostile packed fields: fuzz_packed COUNT [SEED] unpacks COUNT mutated files. Each must be refused with a message, or
-// give the very field that was packed, or another that its own checksums agree to; no memory beyond what blocks have
-// may be taken. Most files have right checksums, so that what lies behind them is met. Files depend on (seed, round)
-// alone.
+// give the very field that was packed, or another one whose own checksums are right; no memory may be used beyond what
+// blocks need. Most files have right checksums, so that the checks behind them are reached. Files depend on (seed,
+// round) alone.
 #include "packed_fields.h"
 
 #include "core/hooks.h"
@@ -61,7 +61,7 @@ static void spoil_word(random_stream *r, void *words, size_t size_bytes) {
   memcpy((char *)words + 4 * (size_t)draw(r, (uint32_t)(size_bytes / 4 - 1)), &number, wide);
 }
 
-// Places are found by what the original says of them.
+// Damages blocks of a chunk, found by the original's table, since the mutant's may be damaged.
 static void spoil_blocks(random_stream *r, const packed_image *original, packed_image *i) {
   const uint32_t index = draw(r, original->field_header->chunk_count);
   const olx_file_chunk *chunk = &original->chunks[index + 1];
@@ -73,7 +73,7 @@ static void spoil_blocks(random_stream *r, const packed_image *original, packed_
   }
 }
 
-// A small file that claims a large field, tables and all.
+// Makes a small file claim a large field, with consistent tables.
 static void inflate(random_stream *r, uint32_t count, const packed_image *i) {
   const uint32_t index = draw(r, count);
   i->field_chunks[index].size_bytes += (uint64_t)draw(r, 1u << 20) << draw(r, 24);
@@ -145,7 +145,7 @@ static void remove_folder(const folder *f) {
   rmdir(f->path);
 }
 
-// What came back is as its header and table say, down to the last checksum.
+// Checks that an unpacked field agrees with its header and table, including every checksum.
 static void check_field(const char *path, uint32_t round) {
   size_t size_bytes;
   unsigned char *bytes = synthetic_read_file(path, &size_bytes);
@@ -173,7 +173,7 @@ static bool unpack_mutant(const folder *f, const packed_image *mutant, uint32_t 
   return false;
 }
 
-// How many of the mutants of one field unpack; one round in `stride` is taken.
+// Returns how many mutants of one field unpack, taking one round in `stride`.
 static uint32_t fuzz(const folder *f, const synthetic_shape *shape, uint32_t seed, uint32_t count, uint32_t stride) {
   uint32_t unpacked = 0;
   if (synthetic_write(f->field, shape, NULL) != OLX_OK) abort();
@@ -193,7 +193,7 @@ static uint32_t fuzz(const folder *f, const synthetic_shape *shape, uint32_t see
 int main(int argc, char **argv) {
   static const synthetic_shape tiny = {
       .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 1}, .n = 16, .irradiance_n = 8, .classic_size = 32};
-  static const synthetic_shape blocks = {.grid = {5, 2, 2}, .n = 128}; // chunks of several blocks
+  static const synthetic_shape blocks = {.grid = {5, 2, 2}, .n = 128}; // a field whose chunks have several blocks
   const uint32_t count = argc > 1 ? (uint32_t)strtoul(argv[1], NULL, 10) : 2000;
   const uint32_t seed = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1;
   folder f;

@@ -1,8 +1,8 @@
 // Hostile scene files: fuzz_scene COUNT [SEED [PART]] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image
-// files, or those alone whose names contain PART, such as ".gl". Each must become a scene whose numbers are in order,
-// or be refused with a message, within seconds and without memory out of proportion. Files are made from (seed, round)
-// alone, so a failure can be had again; rounds run in a child, so that a crash inside Assimp is counted and the run
-// goes on. Crashes, hangs and leaks of our own code fail it.
+// files, or only those whose names contain PART, such as ".gl". Each must become a scene whose numbers are valid, or be
+// refused with a message, within seconds and without excessive memory. Files are made from (seed, round) alone, so a
+// failure can be repeated; rounds run in a child process, so that a crash inside Assimp is counted and the run
+// continues. Crashes, hangs and leaks of our own code fail the test.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "counted_memory.h"
@@ -27,14 +27,14 @@
 
 #define BATCH 50u
 #define SECONDS_A_FILE 5u
-// Images of some 100 bytes may have 16384 texels a byte, an environment twelve bytes a texel and as much again to
-// sample it.
+// An image file of some 100 bytes may hold 16384 texels a byte; an environment takes twelve bytes a texel and as much
+// again to sample it.
 #define MOST_BYTES_A_FILE ((size_t)64 << 20)
 #define MAX_FILE_BYTES 65536u
 typedef struct shared_state {
   atomic_uint round, loaded, refused;
-  atomic_size_t most_bytes; // that one file asked for
-  char part[32];            // of the names of the files that are mutated
+  atomic_size_t most_bytes; // most bytes that one file requested
+  char part[32];            // part of the names of the files to mutate
 } shared_state;
 
 // ---- mutations
@@ -53,11 +53,11 @@ typedef struct mutant {
   size_t size_bytes;
 } mutant;
 
-// Replace `removed` bytes at `at` by others.
+// Replaces `removed` bytes at `at` by `size_bytes` others.
 static void splice_bytes(mutant *m, size_t at, size_t removed, const void *bytes, size_t size_bytes) {
   uint8_t inserted[MAX_FILE_BYTES / 4];
   if (size_bytes > sizeof inserted || m->size_bytes - removed + size_bytes > sizeof m->bytes) return;
-  memcpy(inserted, bytes, size_bytes); // it may come from the mutant itself
+  memcpy(inserted, bytes, size_bytes); // a copy, since `bytes` may point into the mutant itself
   memmove(m->bytes + at + size_bytes, m->bytes + at + removed, m->size_bytes - at - removed);
   memcpy(m->bytes + at, inserted, size_bytes);
   m->size_bytes += size_bytes - removed;
@@ -90,7 +90,7 @@ static void insert_token(mutant *m, random_stream *r) {
   splice_bytes(m, draw(r, (uint32_t)m->size_bytes + 1), 0, token, strlen(token));
 }
 
-// Another word of glTF in place of one: "VEC3" or "mode".
+// Replaces a word of glTF by another one, such as "VEC3" or "mode".
 static void replace_word(mutant *m, random_stream *r) {
   static const char *const words[] = {"SCALAR",     "VEC2",     "VEC3",       "VEC4",       "MAT4",        "ATTRIBUTES",
                                       "TRIANGLES",  "INDICES",  "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "NONE",
@@ -129,7 +129,7 @@ static void mutate(mutant *m, random_stream *r) {
   for (uint32_t count = 1 + draw(r, 3); count > 0; --count) mutate_once(m, r);
 }
 
-// Only one of the two parts of a .glb, inside a frame that is right.
+// Mutates only one of the two parts of a .glb, and wraps both in a valid frame.
 static void mutate_part(const seed_file *from, mutant *m, random_stream *r) {
   uint32_t text_bytes;
   uint8_t *made;
@@ -191,7 +191,7 @@ static void name_stack(int signal_number) {
   void *frames[64];
   const char *what = signal_number == PROCESSOR_ALARM ? "hang\n" : "crash\n";
   (void)!write(STDERR_FILENO, what, strlen(what));
-  const int depth = backtrace(frames, 64); // the first is this function
+  const int depth = backtrace(frames, 64); // frame 0 is this function
   if (depth > 1) backtrace_symbols_fd(frames + 1, depth - 1, STDERR_FILENO);
   _exit(signal_number == PROCESSOR_ALARM ? 3 : 2);
 }
@@ -202,7 +202,7 @@ static void run_child(const scene_folder *folder, const char *trace_path, const 
   if (trace < 0 || dup2(trace, STDERR_FILENO) < 0) _exit(1);
   const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, PROCESSOR_ALARM};
   void *warm_up[1];
-  backtrace(warm_up, 1); // loads what it needs while memory is in order
+  backtrace(warm_up, 1); // loads the library that it needs while memory is intact
   for (size_t i = 0; i < sizeof signals / sizeof *signals; ++i) signal(signals[i], name_stack);
   counted_memory_begin();
   for (uint32_t round = first; round < end; ++round) {
@@ -217,7 +217,7 @@ static void run_child(const scene_folder *folder, const char *trace_path, const 
 
 typedef enum blame { BLAME_ASSIMP, BLAME_US } blame;
 
-// The innermost frame that belongs neither to the C and C++ libraries nor to a sanitizer.
+// Finds the innermost frame that belongs neither to the C and C++ libraries nor to a sanitizer.
 static blame find_blame(const char *trace_path, char *frame, size_t frame_bytes) {
   static const char *const passed_over[] = {"libc.so",   "libstdc++",   "libgcc", "libasan",      "libpthread",
                                             "sanitizer", "interceptor", "__asan", "operator new", "[vdso]"};

@@ -1,5 +1,5 @@
-// Makes small glTF files for tests from arrays that are put behind each other into one buffer, while the JSON that
-// names them grows beside it.
+// Makes small glTF files for tests from arrays that are put behind each other into one buffer, together with the JSON
+// that refers to them.
 #include "gltf_maker.h"
 
 #include "data_uris.h"
@@ -19,7 +19,7 @@ void gltf_append(char *text, size_t capacity, const char *format, ...) {
   va_end(arguments);
 }
 
-// Copies bytes into the buffer; returns where they lie.
+// Copies bytes into the buffer and returns their offset.
 static size_t add_bytes(gltf_maker *m, const void *data, size_t size_bytes) {
   const size_t offset = (m->size_bytes + 3) & ~(size_t)3;
   if (offset + size_bytes > sizeof m->bytes) abort();

@@ -37,7 +37,7 @@ static olx_vec3 draw_direction(dice *d) {
   switch (draw_below(d, 8)) {
   case 0: return olx_v3(0.0f, -1.0f, 0.0f);
   case 1:
-    return olx_v3(draw(d) & 1u ? 1.0f : -0.0f, 0.0f, draw(d) & 1u ? 0.0f : -0.0f); // an axis, or no direction at all
+    return olx_v3(draw(d) & 1u ? 1.0f : -0.0f, 0.0f, draw(d) & 1u ? 0.0f : -0.0f); // along an axis, or the zero vector
   case 2: return olx_normalize(olx_v3(1.0f, draw(d) & 1u ? 1.0f : 0.0f, -1.0f));
   case 3: return olx_v3(extreme_float(d), extreme_float(d), extreme_float(d));
   default: return olx_sample_sphere((olx_vec2){draw_unit(d), draw_unit(d)});
@@ -67,7 +67,7 @@ static void check_hit(const olx_field *field, const olx_trace_hit *hit) {
   if (hit->texel_steps > (uint64_t)hit->probes_tried * 16 * info.maps.size) fail("a ray took too many steps");
 }
 
-// A texel of every map that the field has, and the boxes of its model.
+// Reads a texel of every map that the field has, and the boxes of its exported model.
 static void show(dice *d, const olx_field *field) {
   olx_export_boxes boxes = {0};
   for (olx_map map = OLX_MAP_DISTANCE; map < OLX_MAP_COUNT; map++) {
@@ -139,7 +139,7 @@ static void refused(olx_result result, field_counts *c) {
   c->refused[result]++;
 }
 
-// A field that is lit anew, with any light and any eye, stays as sound as it was.
+// Relights a field with arbitrary lights and viewpoints, and checks that it stays as valid as it was.
 static void relight(dice *d, const olx_field *field, field_counts *c) {
   olx_relight_settings settings = olx_relight_settings_default();
   settings.shadow_rays = draw_below(d, 3) ? 500 : extreme_u32(d);

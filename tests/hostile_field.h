@@ -1,5 +1,5 @@
-// Fields that may be hostile, used as a host would: opened, verified, sampled and lit anew, by random choices that a
-// seed decides. What fuzzers of fields share.
+// Uses fields that may be hostile as a host would: opens, verifies, samples and relights them, by random choices that a
+// seed decides. Fuzzers of fields share it.
 #pragma once
 
 #include "core/pack.h"
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-// Random choices of one round.
+// The random choices of one round.
 typedef struct dice {
   uint32_t seed, round, drawn;
 } dice;
@@ -50,6 +50,6 @@ typedef struct field_counts {
   uint64_t opened, verified, refused[16], calls;
 } field_counts;
 
-// Open the bytes of a file (aligned to 64) and, when that works, use what is there. What was promised and does not hold
-// is reported and ends in abort().
+// Open the bytes of a file (aligned to 64) and, when that succeeds, use the field. A broken promise is reported and
+// ends in abort().
 void hostile_field_use(dice *d, const void *bytes, size_t size_bytes, field_counts *counts);

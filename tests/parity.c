@@ -1,4 +1,4 @@
-// Runs functions of shaders/lib on a device and their C twins on the same random and extreme inputs, and judges how far
+// Runs functions of shaders/lib on a device and their C twins on the same random and extreme inputs, and checks how far
 // the results differ.
 #include "parity.h"
 
@@ -31,11 +31,11 @@ typedef struct parity_room {
   olx_grid grid;
   uint32_t n, irradiance_n;
   bool bricks, voronoi;
-  uint32_t classic; // texels along a side of classic maps; 0: none
-  uint32_t lights;  // of LIGHTS
+  uint32_t classic; // texels along a side of classic maps, or 0 for none
+  uint32_t lights;  // how many of LIGHTS the room has
   bool volume, compressed;
-  bool on_device; // as textures of blocks
-  bool planes;    // geometry in blocks
+  bool on_device; // textures of blocks on the device
+  bool planes;    // geometry stored as blocks
 } parity_room;
 
 static const parity_room ROOMS[PARITY_ROOMS] = {
@@ -93,7 +93,7 @@ static const parity_room ROOMS[PARITY_ROOMS] = {
                              .irradiance_n = 8,
                              .classic = 32}};
 
-// Bricks over the room with lists at random: what matters is that both sides read the same.
+// Adds bricks over the room with random lists: it matters only that C and GLSL read the same.
 enum { BRICKS = 12, DIVIDED = 6, LISTS = 32, BRICK_WORDS = 16 + BRICKS + DIVIDED * OLX_BRICK_CELL_WORDS + 4 * LISTS };
 
 static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
@@ -123,7 +123,7 @@ static void add_bricks(olx_field *field, uint32_t words[BRICK_WORDS]) {
   }
 }
 
-// The maps and the tree as the baker makes them, in memory that is the caller's to release.
+// Adds the neighbour maps and the octree as the baker makes them, in memory that the caller releases.
 static void *add_voronoi(olx_field *field) {
   const olx_selector_input input = {.positions = field->probe_positions,
                                     .flags = field->probe_flags,
@@ -139,7 +139,8 @@ static void *add_voronoi(olx_field *field) {
   return data;
 }
 
-// Irradiance that depends on the normal: it changes manyfold in two channels, and is 0 on one side in the third.
+// Makes irradiance depend on the normal: it varies by a large factor in two channels, and is 0 on one side in the
+// third.
 static void vary_irradiance(olx_field *field) {
   uint32_t *codes = (uint32_t *)(uintptr_t)field->irradiance;
   const int32_t n = (int32_t)field->irradiance_n;
@@ -157,7 +158,7 @@ static void vary_irradiance(olx_field *field) {
   }
 }
 
-// Lights of every type, and one that no number holds.
+// Lights of every type, and one whose emission is infinite.
 static const olx_field_light LIGHTS[] = {
     {.type = OLX_LIGHT_SUN, .direction = {0.6f, -0.64f, 0.48f}, .emission = {1.0f, 0.9f, 0.5f}},
     {.type = OLX_LIGHT_POINT, .position = {2.0f, 2.6f, 1.0f}, .emission = {3.0f, 1.0f, 0.2f}},
@@ -169,8 +170,8 @@ static const olx_field_light LIGHTS[] = {
      .cosine_outer = 0.4f},
     {.type = OLX_LIGHT_POINT, .position = {0.0f, 1.0f, 0.0f}, .emission = {INFINITY, 0.0f, 0.0f}}};
 
-// Materials of all kinds, direct light, and emission where texels are marked, at random but alike within blocks of 3 x
-// 3 texels that do not end where the tiles of emission do.
+// Sets random materials of all kinds, direct light, and emission where texels are marked. Values are alike within
+// blocks of 3 x 3 texels, which do not end where the tiles of emission do.
 static void vary_surfaces(olx_field *field, uint32_t lights) {
   olx_field_surfaces *s = &field->surfaces;
   uint32_t *base = (uint32_t *)(uintptr_t)s->base, *direct = (uint32_t *)(uintptr_t)s->direct;
@@ -188,7 +189,7 @@ static void vary_surfaces(olx_field *field, uint32_t lights) {
   s->tile_count = 5;
   s->tiles = realloc((void *)(uintptr_t)s->tiles, sizeof *s->tiles * OLX_EMISSION_TILE_TEXELS * s->tile_count);
   for (uint32_t i = 0; i < OLX_EMISSION_TILE_TEXELS * s->tile_count; i++) {
-    ((uint32_t *)(uintptr_t)s->tiles)[i] = olx_hash2(i, 17) & 0x87FFFFFFu; // up to 511 / 256
+    ((uint32_t *)(uintptr_t)s->tiles)[i] = olx_hash2(i, 17) & 0x87FFFFFFu; // emission up to 511 / 256
   }
   for (uint32_t i = 0; i < s->tile_side * s->tile_side * field->info.probes.count; i++) {
     ((uint32_t *)(uintptr_t)s->emission)[i] = olx_hash2(i, 19) % (s->tile_count + 2); // one is not there
@@ -198,7 +199,7 @@ static void vary_surfaces(olx_field *field, uint32_t lights) {
   field->info.bounces.last = 0.25f;
 }
 
-// A volume over the room and beyond, with cells, blocks, splits, and places that it knows nothing of.
+// Sizes of a volume over the room and beyond, with cells, blocks, splits, and places that no probe covers.
 enum {
   VOLUME_CUBES = 3 * 2 * 3,
   VOLUME_CELLS = 8,
@@ -243,8 +244,8 @@ static void add_volume(olx_field *field, parity_volume *v) {
   field->volume.irradiance = v->irradiance;
 }
 
-// Surfaces as blocks. Materials take the ends of blocks' lines alone: how a device rounds what lies between them is its
-// own.
+// Compresses surfaces into blocks. Their materials use only the two end values of each block, since devices may round
+// the values between them differently.
 static void compress_surfaces(olx_field *field) {
   analytic_field_compress(field);
   const size_t count = (size_t)field->n * field->n / 16 * field->info.probes.count;
@@ -260,7 +261,7 @@ static void compress_surfaces(olx_field *field) {
   }
 }
 
-// Light as a device has it that cannot read blocks.
+// Decodes light into texels, as a device that cannot read blocks holds it.
 static void decode_light(olx_field *field) {
   const size_t texels = field->texels * field->info.probes.count;
   uint32_t *direct = calloc(texels, 4), *indirect = calloc(texels, 4);
@@ -291,8 +292,8 @@ static olx_field *make_field(const parity_room *p) {
   return field;
 }
 
-// Random items, and among them directions along axes and in coordinate planes, points on walls, and numbers at their
-// ends.
+// Fills items with random numbers, among them directions along axes and in coordinate planes, points on walls, and
+// numbers at the ends of their ranges.
 static void fill_items(parity_item *items) {
   for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
     parity_item *item = &items[i];
@@ -324,7 +325,7 @@ static void fill_items(parity_item *items) {
                               0.1f + 3.0f * c.y};
     memcpy(item->v, values, sizeof values);
     if (i % 64 == 11) item->v[9] = item->v[10] = 0.0f;
-    if (i % 64 == 13) item->v[11] = 0.01f; // a mirror
+    if (i % 64 == 13) item->v[11] = 0.01f; // the roughness of a mirror
   }
 }
 
@@ -339,7 +340,7 @@ static struct {
 static int set_up(void **unused) {
   (void)unused;
   gpu_device *d = &gpu.device;
-  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the layers may be missing
+  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the validation layers may be missing
   const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   assert_true(gpu_buffer_create(d, "items", sizeof(parity_item) * PARITY_ITEMS, usage, true, &gpu.items));
   assert_true(gpu_buffer_create(d, "results", 4u * PARITY_RESULTS * PARITY_ITEMS, usage, true, &gpu.results));
@@ -362,13 +363,13 @@ static int tear_down(void **unused) {
   return host_close_device(d);
 }
 
-// A room on the device.
+// A room's field and classic maps on the device.
 typedef struct uploaded_room {
   olx_vulkan_field *field;
-  olx_vulkan_classic *classic; // NULL without classic maps
+  olx_vulkan_classic *classic; // NULL for a room without classic maps
 } uploaded_room;
 
-// Good for every field of a suite, since all their set layouts are alike.
+// Makes the pipelines once: they fit every field of a suite, since all fields have the same set layouts.
 static void make_pipelines(const uploaded_room *room) {
   if (gpu.computes[0].pipeline) return;
   const VkDescriptorSetLayout sets[] = {olx_vulkan_field_set_layout(room->field), gpu.set.layout,
@@ -386,13 +387,13 @@ static const gpu_compute *compute_of(uint32_t row) {
   return &gpu.computes[code];
 }
 
-// Run one row over all items.
+// Runs one row over all items.
 static void run_row(const uploaded_room *room, uint32_t row) {
   gpu_device *d = &gpu.device;
   const VkDescriptorSet sets[] = {olx_vulkan_field_set(room->field), gpu.set.set,
                                   room->classic ? olx_vulkan_classic_set(room->classic) : VK_NULL_HANDLE};
   assert_true(gpu_commands_begin(d));
-  const uint32_t width = PARITY_ITEMS / 8; // a group has 64 items
+  const uint32_t width = PARITY_ITEMS / 8; // a workgroup has 64 items
   gpu_compute_record(d, compute_of(row), sets, room->classic ? 3 : 2, &row, sizeof row, width, 8, d->commands);
   gpu_full_barrier(d, d->commands);
   assert_true(gpu_commands_run(d));
@@ -430,7 +431,7 @@ static void derive(parity_state *s) {
   s->bsdf = olx_bsdf_make(color, s->random[0], s->random[1], s->random[2]);
 }
 
-// Compare a row's results; true when it keeps what it promises.
+// Compares a row's results; returns true when they are within the row's bounds.
 static bool judge_row(const olx_field *field, const olx_vulkan_field *uploaded, const parity_row *row) {
   uint32_t bad = 0, first = 0;
   float worst = 0.0f;

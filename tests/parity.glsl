@@ -1,5 +1,5 @@
-// What the shaders of the parity tests share (parity.h): one row a dispatch, one thread an item. A file a group of
-// rows, since compilers take longer than in proportion.
+// Code that the shaders of the parity tests share (parity.h): a dispatch computes one row, a thread one item. Each file
+// holds one group of rows, since compile times grow faster than a file's length.
 #ifndef PARITY_GLSL
 #define PARITY_GLSL
 
@@ -26,10 +26,10 @@ void put(vec3 v) { put(v.xy), put(v.z); }
 void put(ivec2 v) { put(v.x), put(v.y); }
 void put(uvec3 v) { put(v.x), put(v.y), put(v.z); }
 void put(ivec3 v) { put(v.xy), put(v.z); }
-// As C counts the texels of a bordered map.
+// Writes a texel as C counts the texels of a bordered map.
 void put_texel(ivec2 texel) { put((texel.y + 1) * int(olx_field.n + 2u) + texel.x + 1); }
 
-// The item of this thread, and what the C side derives from it in the same way.
+// The item of this thread, and the values that the C side derives from it in the same way.
 parity_item item;
 vec3 point, direction, view;
 vec4 random;

@@ -1,5 +1,5 @@
-// What the parity tests share: every function of shaders/lib and its C twin run on the same random and edge inputs, on
-// whatever Vulkan device there is (a CPU one will do). Tests include C files, so that their inner functions can be
+// Code that the parity tests share: every function of shaders/lib and its C twin run on the same random and edge
+// inputs, on any Vulkan device (a CPU device will do). Tests include C files, so that their static functions can be
 // called.
 #ifndef OLX_TESTS_PARITY_H
 #define OLX_TESTS_PARITY_H
@@ -25,7 +25,7 @@ typedef struct parity_item {
   uint32_t u[4];
 } parity_item;
 
-// What parity.glsl derives from an item; the names are the same.
+// The values that parity.glsl derives from an item, by the same names.
 typedef struct parity_state {
   const olx_field *field;
   const olx_field_constants *constants;
@@ -40,7 +40,7 @@ typedef struct parity_state {
   olx_bsdf bsdf;
 } parity_state;
 
-// What C gives for an item. Words that are floats may differ a little.
+// The results of C for an item. Words that are floats may differ a little.
 typedef struct parity_result {
   uint32_t word[PARITY_RESULTS];
   bool is_float[PARITY_RESULTS];
@@ -71,16 +71,16 @@ static inline void put_answer(parity_result *r, const olx_probe_answer *a) {
   put_f(r, a->gap);
 }
 
-// How C evaluates a row.
+// Defines the C function that evaluates a row.
 #define ROW(name, ...)                                                                                                 \
   static void row_##name(parity_state *s, parity_result *r) {                                                          \
     (void)s;                                                                                                           \
     __VA_ARGS__                                                                                                        \
   }
 
-// One function: how much its floats may differ, relative to their size and at least 1, and the share of items that may
-// give anything else. Devices round divisions and roots differently, so what hangs on a comparison is allowed one item
-// in a thousand; a lobe's edge and a variance (a difference of squares) magnify rounding.
+// One function's bounds: how much its floats may differ, relative to their size and at least 1, and the share of items
+// that may give anything else. Devices round divisions and roots differently, so results that depend on a comparison
+// may differ in one item of a thousand; the edge of a lobe and a variance (a difference of squares) magnify rounding.
 typedef struct parity_row {
   uint32_t number;
   const char *name;
@@ -92,7 +92,7 @@ typedef struct parity_row {
 #define PARITY(name, bound, allowed)                                                                                   \
   { ROW_olx_##name, #name, row_##name, bound, allowed }
 
-// A shader for the rows below `end` that no shader before has.
+// A shader for the rows below `end` that no earlier shader computes.
 typedef struct parity_code {
   uint32_t end;
   gpu_code code;
@@ -100,9 +100,9 @@ typedef struct parity_code {
 
 enum { PARITY_MOST_CODES = 2 };
 
-// Rooms and grids. The first two have between them every kind of texel, block and cage; the third has so many probes
-// that maps share layers, the fourth has textures of blocks. Those of the last two have classic maps, and nothing but
-// their rows is compared there.
+// Rooms and grids. The first two together contain every kind of texel, block and cage; the third has so many probes
+// that maps share layers, the fourth has textures of blocks. The last two have classic maps, and only the rows that
+// read these are compared there.
 enum {
   PARITY_FURNISHED_ROOM,
   PARITY_OPEN_COURT,
@@ -113,7 +113,7 @@ enum {
   PARITY_ROOMS
 };
 
-// Rows by their numbers; 0, 0: none.
+// A range of rows by their numbers; 0, 0 is empty.
 typedef struct parity_range {
   uint32_t first, end;
 } parity_range;
@@ -122,13 +122,13 @@ typedef struct parity_suite {
   const parity_row *rows;
   uint32_t row_count;
   const parity_code *codes;
-  uint32_t code_count;       // at most PARITY_MOST_CODES
-  const parity_range *rooms; // PARITY_ROOMS of them: what is compared in each
+  uint32_t code_count;       // number of codes, at most PARITY_MOST_CODES
+  const parity_range *rooms; // PARITY_ROOMS ranges: the rows to compare in each room
 } parity_suite;
 
 #define PARITY_COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-// Compare them all, a test a room: what main returns.
+// Compare all rows in one test for each room; return the result for main.
 int parity_run(const parity_suite *suite);
 
 static inline olx_vec2 random_2(const parity_state *s) { return (olx_vec2){s->random[0], s->random[1]}; }

@@ -1,4 +1,4 @@
-// Geometry blocks, one row a dispatch, one thread an item.
+// Rows of geometry blocks: a dispatch computes one row, a thread one item.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity_rows.h"
@@ -9,8 +9,8 @@ layout(push_constant) uniform row_block { uint row; };
 
 struct block_item {
   uvec4 block;
-  uvec4 pooled; // a coded plane, a texel
-  uvec4 place;  // n, x, y
+  uvec4 pooled; // the code of a plane, and a texel
+  uvec4 place; // x: n; yz: position of the block
   vec4 point;
 };
 layout(set = 0, binding = 0, std430) readonly buffer items_block { block_item items[]; };

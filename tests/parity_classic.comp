@@ -1,4 +1,4 @@
-// The baseline: irradiance probes without visibility.
+// Rows of the baseline: irradiance probes without visibility.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define OLX_CLASSIC_SET 2

@@ -1,4 +1,4 @@
-// Vectors, maps, sampling and the reflection model.
+// Rows of vectors, maps, sampling and the reflection model.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"

@@ -1,10 +1,10 @@
-// The denoiser.
+// Rows of the denoiser.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/lib/denoise.glsl"
 #include "parity.glsl"
 
-// Two pixels side by side, mostly of one surface, and what is known there.
+// Two neighbouring pixels, mostly of one surface, and the surface attributes there.
 const vec2 PICTURE = vec2(16.0, 12.0);
 olx_camera_frame camera;
 olx_shown here, there;
@@ -30,7 +30,7 @@ void derive_denoise() {
 
 void put_incident(olx_incident i) { put(i.light), put(i.inverse_distance); }
 
-// A hit that may be an emitter's, from before or behind, and may be the sky's.
+// Returns a hit that may be on an emitter, from its front or its back, or on the sky.
 olx_trace_hit some_hit() {
   float distance = (bits.x & 4u) != 0u ? OLX_INFINITY : item.v[15];
   return olx_trace_hit(bits.x % 3u, distance, point + direction * item.v[15], view, direction, vec3(0.0), view, true, 0u,

@@ -1,9 +1,9 @@
-// Reading a field, and which probes answer.
+// Rows that read a field and select probes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
 
-// The nearest of one probe.
+// Returns a list of nearest probes that holds one probe.
 olx_nearest nearest_of(uint one) {
   olx_nearest n = olx_nearest(point, settings.keep_buried, OLX_NO_PROBE, OLX_INFINITY);
   olx_consider(n, one);
@@ -34,7 +34,7 @@ void voronoi_rows() {
   }
 }
 
-// A block of each form, of numbers that may name any plane.
+// Returns a block of each form, whose indices may name any plane.
 uvec4 some_block() { return uvec4(bits.x % 64u, bits.yz, bits.w & 0x3FFFFFFFu | bits.x % 3u << 30); }
 
 void put(uvec4 v) { put(v.xyz), put(v.w); }

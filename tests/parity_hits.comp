@@ -1,15 +1,15 @@
-// Light at the end of a ray: what texels hold, lights, texel shading and the further ray.
+// Rows of light at the end of a ray: values of texels, lights, texel shading and the further ray.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
 
-// A surface under light that is not stored.
+// Returns a surface whose light is computed, not stored.
 olx_texel_surface some_surface() {
   return olx_texel_surface(olx_texel_material(olx_map_origin(probe), texel), point, direction, view,
                            max(abs(olx_dot(direction, view)), 1e-3), abs(view));
 }
 
-// One of the field's lights, or in a field without any one that is at random.
+// Returns one of the field's lights, or a random one in a field without lights.
 olx_field_light some_light() {
   olx_field_light light =
       olx_field_light(bits.x % 3u, view, direction, abs(view), 0.5 + 0.4 * random.x, 0.4 * random.y);
@@ -17,7 +17,7 @@ olx_field_light some_light() {
   return light;
 }
 
-// What a ray might have found in the texel, and its reflection might have.
+// Returns a hit that a ray, or its reflection, might have found in the texel.
 olx_trace_hit some_hit(uint status) {
   olx_trace_hit hit = olx_unknown_hit(status, item.v[15]);
   hit.position = point;

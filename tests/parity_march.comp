@@ -1,4 +1,4 @@
-// A ray against one probe's map.
+// Rows of a ray against one probe's map.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
@@ -29,7 +29,7 @@ void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.s
 
 void put_stand(olx_stand at) { put(at.at), put(at.level); }
 
-// What a march over a whole ray found.
+// Writes the result of a march over a whole ray.
 void put_verdict(int verdict, olx_probe_answer answer) {
   answer.status = verdict == OLX_VERDICT_CLEAR ? OLX_TRACE_MISS
                   : verdict == OLX_VERDICT_HIT ? OLX_TRACE_HIT
@@ -39,7 +39,7 @@ void put_verdict(int verdict, olx_probe_answer answer) {
   if (verdict != OLX_VERDICT_CLEAR) put_answer(answer);
 }
 
-// Start from an answer that nothing has written yet.
+// Returns an answer that no march has written yet.
 olx_probe_answer blank() { return olx_probe_answer(OLX_TRACE_MISS, 0.0, ivec2(-1), 0.0, 0u); }
 
 void march_rows() {

@@ -1,4 +1,4 @@
-// Relighting: packed formats, maps without a field, rays to lights, shares of surfels in texels.
+// Rows of relighting: packed formats, maps without a field, rays to lights, shares of surfels in texels.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
@@ -20,7 +20,7 @@ void put_bilinear(olx_bilinear b) {
   for (uint k = 0u; k < 4u; k++) put(b.texel[k]), put(b.weight[k]);
 }
 
-// One time in eight it is looked at from behind.
+// Returns a brightness for a surface that is seen from behind one time in eight.
 float some_brightness() {
   vec3 normal = olx_normal_unpack(bits.z & 0xFEFEu), view = olx_from_basis(olx_sample_cosine(random.xy), normal);
   vec2 bytes = vec2(bits.x & 0xFFu, bits.x >> 8 & 0xFFu) * (1.0 / 255.0);

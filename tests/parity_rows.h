@@ -3,8 +3,8 @@
 #ifndef PARITY_ROWS_H
 #define PARITY_ROWS_H
 
-#define PARITY_ITEMS 8192 // of every row: a multiple of the workgroup
-#define PARITY_RESULTS 24 // words an item may give
+#define PARITY_ITEMS 8192 // items of every row, a multiple of the workgroup's size
+#define PARITY_RESULTS 24 // result words that an item may give
 
 #define ROW_olx_square 0
 #define ROW_olx_sign_not_zero 1
@@ -264,7 +264,7 @@
 #define ROW_olx_surface_at 237
 #define ROWS_OF_HITS 238
 
-// With a test and a shader of their own, since no field is needed.
+// Rows that need no field, and so have a test and a shader of their own.
 #define ROW_olx_volume_find 238
 #define ROW_olx_volume_weight 239
 #define ROW_olx_volume_light 240
@@ -273,7 +273,7 @@
 #define ROW_olx_volume_probe 243
 #define ROW_olx_volume_both 244
 
-// Geometry blocks, which need no field either.
+// Rows of geometry blocks, which need no field either.
 #define ROW_olx_plane_decode 245
 #define ROW_olx_geometry_pooled 246
 #define ROW_olx_geometry_plane_of 247

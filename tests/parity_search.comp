@@ -1,4 +1,4 @@
-// A ray against probe after probe.
+// Rows of a ray against one probe after another.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
@@ -20,7 +20,7 @@ void put_hit(olx_trace_hit hit) {
 
 void put_answer(olx_probe_answer a) { put(a.status), put_texel(a.texel), put(a.steps), put(a.t), put(a.gap); }
 
-// A search that has asked some probes and lost the ray somewhere, or one that begins.
+// Makes a search that has just begun, or one that has tried some probes and lost the ray somewhere.
 void ask_some() {
   if ((bits.y & 1u) == 0u) return;
   for (uint i = 0u; i < 3u; i++) olx_remember(search, bits[i] >> 12 & 15u);

@@ -1,4 +1,4 @@
-// Irradiance and glossy light.
+// Rows of irradiance and glossy light.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"

@@ -1,11 +1,11 @@
-// Light on surfaces.
+// Rows of light on surfaces.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity.glsl"
 
 void put(mat2x3 m) { put(m[0]), put(m[1]); }
 
-// A point of a surface that a probe sees, off the texel's middle; of one item in eight a point anywhere.
+// A point on a surface that a probe sees, away from the texel's middle, or in one item of eight an arbitrary point.
 vec3 place, geometric, bent;
 
 void derive_place() {

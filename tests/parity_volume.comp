@@ -1,4 +1,4 @@
-// The irradiance volume, one row a dispatch, one thread an item.
+// Rows of the irradiance volume: a dispatch computes one row, a thread one item.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "parity_rows.h"

@@ -1,5 +1,5 @@
-// Vulkan's loader unloads drivers and layers when an instance goes, and a leak report can then no longer name them:
-// tests keep them loaded, and leaks.supp knows their names. Our own handles are counted by the validation layers.
+// Keeps Vulkan drivers loaded: the loader unloads drivers and layers with the instance, and a leak report could then no
+// longer name them; leaks.supp lists their names. The validation layers count our own handles.
 #ifndef OLX_TESTS_PINNED_DRIVERS_H
 #define OLX_TESTS_PINNED_DRIVERS_H
 

@@ -6,28 +6,27 @@
 
 #include <octalux/place.h>
 
-// Settings that take a fraction of a second.
+// Return settings that take a fraction of a second.
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method);
-// Quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
+// Return quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
 olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method);
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings);
 olx_scene *load(const char *name);
 uint32_t matte(olx_scene *scene);
-// A room of 4 m x 2 m x 4 m around the origin, to be finished.
+// Start a room of 4 m x 2 m x 4 m around the origin, to be finished.
 olx_scene *start_room(void);
-// That room divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
+// Start such a room of 4 m x 2 m x 4 m, divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
 olx_scene *start_divided_room(void);
-// The divided room, finished, with rules: two pinned probes, a forbidden box, a box that is playable, 0.4 m of
-// distance.
+// Load the divided room, finished, with rules: two pinned probes, a forbidden box, a playable box, 0.4 m of distance.
 olx_scene *load_ruled_room(void);
-// The pinned probes come first, and every other probe keeps to the rules.
+// Check that the pinned probes come first, and that every other probe obeys the rules.
 void expect_rules_kept(const olx_scene *scene, const olx_probe_set *set);
-// Of builtin:pillars, in whose centre a pillar stands.
+// Check that no probe is inside the pillar at the centre of builtin:pillars.
 void expect_outside_the_centre_pillar(const olx_probe_set *set);
-// Same positions, origins, gains and coverage, to the last bit.
+// Return whether positions, origins, gains and coverage are the same, to the last bit.
 bool same_probes(const olx_probe_set *a, const olx_probe_set *b);
 bool box_holds(const olx_box *box, olx_vec3 p);
-// A progress report that cancels.
+// A progress callback that cancels.
 bool refuse(void *user, const char *stage, float done);
 
 #endif

@@ -79,7 +79,7 @@ class Fields(Packaged):
         np.testing.assert_array_equal(out["probe"], flat["probe"])
         fan = self.field.trace(origins[0], directions)
         self.assertEqual(fan.shape, (24,))
-        # Columns of another array, and doubles, are taken as well.
+        # Strided arrays and arrays of doubles are accepted as well.
         apart = np.asfortranarray(np.column_stack([origins, directions]))
         np.testing.assert_array_equal(self.field.trace(apart[:, :3], apart[:, 3:])["texel"], flat["texel"])
         self.assertEqual(self.field.trace(np.empty((0, 3)), np.empty((0, 3))).shape, (0,))

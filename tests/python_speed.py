@@ -64,7 +64,7 @@ def main():
             begin = time.thread_time()
             found = field.trace(origins, directions, t_max=1e30, out=out)
             seconds[way].append(time.thread_time() - begin)
-            for name in octalux.HIT.names:  # bytes between members are nobody's
+            for name in octalux.HIT.names:  # bytes between members are undefined
                 np.testing.assert_array_equal(found[name], hits[name])
     best = {way: min(times) for way, times in seconds.items()}
     ratio = max(best.values()) / best["C"]

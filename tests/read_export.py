@@ -59,7 +59,7 @@ def place_of(direction):
     return (x + 1) / 2, (z + 1) / 2
 
 
-# Chunk, bytes of a texel, and what a texel's code means; `s` is the distance scale.
+# For each map: its chunk, the bytes of a texel, and what a texel's code means; `s` is the distance scale.
 MAPS = {
     "distance": ("DIST", 2, lambda c, s: [half(c & 0x7FFF) * s]),
     "emitter": ("DIST", 2, lambda c, s: [float(c >= 0x7C00)]),
@@ -162,7 +162,7 @@ def check_exr(field_path, name, probe, projection, size, picture):
                 column, row = x, y
             else:
                 u, v = (c * side for c in place_of(pixel_directions(projection, size, x, y)))
-                if min(abs(u - round(u)), abs(v - round(v))) < 1e-4:  # between two texels
+                if min(abs(u - round(u)), abs(v - round(v))) < 1e-4:  # the direction is between two texels
                     doubtful += 1
                     continue
                 column, row = min(int(u), side - 1), min(int(v), side - 1)
@@ -240,7 +240,7 @@ def check_boxes(model, buffer, name):
     positions = accessor(model, buffer, primitive["attributes"]["POSITION"])
     indices = [i for i, in accessor(model, buffer, primitive["indices"])]
     assert len(indices) == 3 * len(positions) and primitive["mode"] == 1
-    for a, b in zip(indices[0::2], indices[1::2]):  # along one axis each, within a box
+    for a, b in zip(indices[0::2], indices[1::2]):  # edges of boxes run along one axis
         assert a // 8 == b // 8 and sum(not close(p, q) for p, q in zip(positions[a], positions[b])) == 1
     return [(positions[i], positions[i + 7][0] - positions[i][0]) for i in range(0, len(positions), 8)]
 

@@ -65,12 +65,12 @@ def read_chunks(data):
     return chunks
 
 
-# All of them, with IRSH in place of IRRA in some fields, or none.
+# Chunks of probe light: a field has all of them, some with IRSH in place of IRRA, or none.
 PROBE_LIGHT = {"RADI", "IPOS", "IFLG", "IRRA", "MOME"}
-# Material and light of surfaces: one or the other.
+# Chunks of surfaces as texels; fields with blocks have other chunks in their place.
 TEXELS = ("BASE", "SPEC", "DIRE", "INDI")
 BLOCKS = ("BAS1", "REF5", "DIR6", "IND6")
-# Geometry: one or the other.
+# Chunks of geometry as texels; fields with geometry blocks have other chunks in their place.
 DISTANCES = ("NORM", "DIST")
 PLANES = ("GEOM", "PLAN")
 SELECTORS = ("VORO", "OCTR", "BRIK")
@@ -91,7 +91,7 @@ def least_sides(d):
     return greatest_sides(d["n"]) if d["planes"] else node_sides(d["n"])
 
 
-# type: (bytes of an element, elements of a record, records), in terms of the description
+# type: (bytes of an element, elements of a record, records), as functions of the description
 SHAPES = {
     "INFO": lambda d: (160, 1, 1),
     "PPOS": lambda d: (4, 3, d["P"]),
@@ -116,7 +116,7 @@ SHAPES = {
     "DIR6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
     "IND6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
     "EMIS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
-    "LITE": lambda d: (64, 1, None),  # as many records as there are
+    "LITE": lambda d: (64, 1, None),  # any number of records
     "ETIL": lambda d: (4, 64, None),
 }
 
@@ -305,7 +305,7 @@ def record(chunks, name, probe, kind=None):
     return codes
 
 
-PLANE_MISS = 1.2  # a quarter of a footprint, which is up to 4.6 / n of the distance
+PLANE_MISS = 1.2  # bounds a quarter of a footprint, which is up to 4.6 / n of the distance
 
 
 def inside_scene(d, position, out, metres, off):
@@ -351,14 +351,14 @@ def check_light_field_probe(chunks, d, probe):
                 plausible += facing and inside_scene(d, position, out, r * d["scale"], off)
     for name, sides, choose in (("DMIN", least_sides(d), min), ("DMAX", greatest_sides(n), max)):
         nodes, exact = [decode_half(code) for code in record(chunks, name, probe)], pyramid(stored_map, n, sides, choose)
-        # Planes are bounded over all of each texel, not in the middles alone.
+        # Bounds hold over the whole of each texel, not only at its middle.
         outside = all(choose(a, b) == a for a, b in zip(nodes, exact))
         need(outside if d["planes"] else nodes == exact, f"{name} of probe {probe}")
     return plausible / surfaces if surfaces else 1.0
 
 
-# BC6H. Modes with one region: precision, bits of difference; those with two: bits of the mode, precision, bits of
-# difference of each channel, and the runs of bits of their ends.
+# BC6H. Modes with one region: precision, bits of difference. Modes with two regions: bits of the mode, precision, bits
+# of difference of each channel, and the runs of bits of their ends.
 ONE_REGION = {3: (10, 10), 7: (11, 9), 11: (12, 8), 15: (16, 4)}
 TWO_REGIONS = {
     0: (2, 10, (5, 5, 5),
@@ -563,7 +563,8 @@ def check_surfaces(chunks, d, probe):
             if surfaces[y][x] is None:
                 continue
             color, roughness, metallic, weight, direct, indirect = surfaces[y][x]
-            # The baker clamps base colours to 0.95; a code's root is off by half a step, a block's by half one of 31.
+            # The baker clamps base colours to 0.95; the root that a code stores is off by half a step, a block's by
+            # half of 1/31.
             need(max(color) <= (1.0 if d["blocks"] else 0.96), f"base colour of probe {probe}: {color}")
             need(max(roughness, metallic, weight) <= 1, f"material of probe {probe}")
             need(all(map(math.isfinite, direct + indirect)), f"light of probe {probe}")

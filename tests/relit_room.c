@@ -1,4 +1,4 @@
-// Lights a small room by a field on the device, and compares its light with what the CPU makes of a field, for tests of
+// Renders a small room by a field on the device, and compares its light with the CPU's light from a field, for tests of
 // relighting.
 #include "relit_room.h"
 

@@ -21,7 +21,7 @@ def run(command, seconds=None):
             process.kill()
     errors = process.stderr.read().decode()
     code = process.wait()
-    lines = [line for line in errors.split("\n")[:-1]]  # what follows the last newline was cut off by the kill
+    lines = [line for line in errors.split("\n")[:-1]]  # text after the last newline was cut off by the kill
     units = [json.loads(line) for line in lines if line.startswith("{")]
     others = [line for line in lines if not line.startswith("{")]
     if others or code not in (0, -9):

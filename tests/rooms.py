@@ -1,6 +1,6 @@
 # Writes a building of N x N rooms as OBJ, MTL and a description: rooms.py N FOLDER [SEALED]. Rooms are 10 m wide and 3
-# m high, with walls 0.2 m thick, a screen, a cupboard and a lamp; doors are 1 m wide and 2 m high and lie somewhere
-# along each wall. The last SEALED rooms of the last row have no doors. The camera is in the first room.
+# m high, with walls 0.2 m thick, a screen, a cupboard and a lamp; doors are 1 m wide and 2 m high, somewhere along each
+# wall. The last SEALED rooms of the last row have no doors. The camera is in the first room.
 import json
 import os
 import random
@@ -9,7 +9,7 @@ import sys
 PITCH, HEIGHT, HALF, DOOR, LINTEL = 10.0, 3.0, 0.1, 1.0, 2.0
 
 
-# Faces by material, so that the file has few groups.
+# A model whose faces are grouped by material, so that the file has few groups.
 class Model:
     def __init__(self):
         self.faces = {}
@@ -28,7 +28,7 @@ class Model:
                     file.write("f %d %d %d %d\n" % (count + 1, count + 2, count + 3, count + 4))
                     count += 4
 
-    # A box whose faces look outwards; without those named.
+    # Adds a box whose faces look outwards, without the faces that `without` names.
     def box(self, material, low, high, without=""):
         (a, b, c), (x, y, z) = low, high
         faces = {"-x": ((a, b, c), (a, b, z), (a, y, z), (a, y, c)), "+x": ((x, b, z), (x, b, c), (x, y, c), (x, y, z)),
@@ -39,7 +39,7 @@ class Model:
                 self.quad(material, *corners)
 
 
-# A wall along one axis from `start`, one pitch long, with a door there or None.
+# Adds a wall along one axis from `start`, one pitch long, with a door at `door` or none.
 def wall(model, axis, start, door):
     def part(low, high, bottom, top, without):
         ends = {0: ((low, bottom, start[2] - HALF), (high, top, start[2] + HALF)),

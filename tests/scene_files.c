@@ -65,7 +65,7 @@ const char *scene_folder_write_text(const scene_folder *folder, const char *name
 
 #define SQUARE_BYTES 140
 
-// Four vertices of position, normal and uv, then six indices.
+// Fills a buffer with four vertices of position, normal and uv, then six indices.
 static void square_buffer(uint8_t bytes[SQUARE_BYTES]) {
   const float vertices[4][8] = {
       {0, 0, 0, 0, 0, 1, 0, 1}, {1, 0, 0, 0, 0, 1, 1, 1}, {1, 1, 0, 0, 0, 1, 1, 0}, {0, 1, 0, 0, 0, 1, 0, 0}};
@@ -111,7 +111,7 @@ size_t scene_files_glb(const char *materials, int mesh_material, const char *nod
 }
 
 size_t scene_files_tga(uint8_t data[34]) {
-  // Uncompressed true colour, 32 bits, rows from the top, BGRA.
+  // The TGA is uncompressed true colour: 32 bits, rows from the top, BGRA.
   const uint8_t file[34] = {0,    0, 2, 0,   0,   0, 0,   0, 0,   0,   0, 0, 2,   0,   2,   0,   32,
                             0x28, 0, 0, 255, 255, 0, 255, 0, 255, 255, 0, 0, 255, 255, 255, 255, 0};
   memcpy(data, file, sizeof file);

@@ -1,4 +1,5 @@
-// Makes the small valid files that fuzzers of scenes begin from, which together have all features that are read.
+// Makes the small valid files that fuzzers of scenes begin from, which together have every feature that the importers
+// read.
 #include "scene_seeds.h"
 
 #include "gltf_maker.h"
@@ -70,7 +71,7 @@ static seed_file text_seed(const char *name, const char *opened, const char *tex
 
 static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 
-// Quantised, sparse and interleaved vertices with everything that a vertex can have, strips and fans.
+// Makes quantised, sparse and interleaved vertices with every attribute, strips and fans.
 static void make_rich(gltf_maker *m) {
   const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
   const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
@@ -126,7 +127,7 @@ static void make_packed(gltf_maker *m) {
 static const char packed_primitives[] = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}, "
                                         "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}";
 
-// Two seeds of a made file: as text and as .glb.
+// Makes two seeds of a made file: as text and as .glb.
 static void make_gltf_seeds(const gltf_maker *m, const char *primitives, const char *nodes, const char *more,
                             const char *const names[2], seed_file seeds[2]) {
   char *text = gltf_maker_text(m, primitives, nodes, more, true);

@@ -1,4 +1,4 @@
-# The source as a file builds where there is no git: the program of it bakes the same field as ours.
+# The source archive builds where there is no git, and its program bakes the same field as this build.
 set -euo pipefail
 [ -e "$OCTALUX_SOURCE_DIR/.git" ] || { echo "skipped: this is no checkout"; exit 77; }
 work=$(mktemp -d)

@@ -1,6 +1,6 @@
-# Debian packages on a bare system: nothing but Debian's minimal packages, then ours and what they depend on, then
-# scene, bake, render and compare, and a program that is built against the development package. Needs mmdebstrap, the
-# network, and root or user namespaces.
+# Debian packages on a bare system: Debian's minimal packages, then ours and their dependencies, then scene, bake,
+# render and compare, and a program that is built against the development package. Needs mmdebstrap, the network, and
+# root or user namespaces.
 set -euo pipefail
 command -v mmdebstrap >/dev/null || { echo "skipped: no mmdebstrap"; exit 77; }
 work=$(mktemp -d)
@@ -19,7 +19,7 @@ set -eux
 export DEBIAN_FRONTEND=noninteractive
 cd /files
 apt-get -q update
-apt-get -q -y --simulate --install-recommends install ./*.deb >recommended.txt # what comes along can all be had
+apt-get -q -y --simulate --install-recommends install ./*.deb >recommended.txt # all recommended packages are available
 grep 'Inst libembree-dev' recommended.txt || { cat recommended.txt; exit 1; }
 apt-get -q -y --no-install-recommends install ./*.deb
 cd /tmp

@@ -1,5 +1,4 @@
-// Checks what must hold for every scene that loads: numbers in order, indices in range, and rays that find what is
-// there.
+// Checks what must hold for every scene that loads: valid numbers, indices in range, and rays that hit its triangles.
 #include "sound_scene.h"
 
 #include "core/sampling.h"

@@ -24,7 +24,7 @@ def main(folder, name, seconds, *command):
     environment = dict(os.environ, TMPDIR=folder)
     with open(os.devnull, "w") as nowhere:
         process = subprocess.Popen(command, cwd=folder, env=environment, stdout=nowhere, stderr=subprocess.PIPE)
-    # By the processor's time, so that a busy machine comes as far; work that waits has the time ten times over.
+    # Waits by processor time, so that a bake gets equally far on a busy machine; work that waits has ten times as long.
     end = time.monotonic() + 10.0 * float(seconds) + 1.0
     while process.poll() is None and processor_seconds(process) < float(seconds) and time.monotonic() < end:
         time.sleep(0.01)

@@ -1,5 +1,5 @@
-// Writes small field files that are valid throughout but whose maps are made up, for tests of files and of what reads
-// them.
+// Writes small field files that are valid throughout but whose maps are made up, for tests of files and of their
+// readers.
 #include "synthetic_field.h"
 
 #include "bake/selectors.h"
@@ -114,7 +114,7 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
     const float light = 8.0f * olx_unit_float(random);
     radiance[i] = olx_r11g11b10f_pack(olx_v3(light, 0.5f * light, 0.25f + 0.25f * light));
     normal[i] = olx_normal_pack(olx_negate(direction));
-    // A room around the probe, its walls a little rough.
+    // Returns the distance to a room around the probe with slightly rough walls.
     const float wall = olx_max(fabsf(direction.x), olx_max(1.5f * fabsf(direction.y), fabsf(direction.z)));
     distance[i] = olx_half_pack((0.25f - 0.02f * olx_unit_float(olx_hash(random))) / wall);
     if (random % 17 == 0) distance[i] = 0x7C00;
@@ -127,7 +127,7 @@ void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16
 olx_geometry_texel synthetic_geometry_texel(const void *geometry, uint32_t x, uint32_t y) {
   const synthetic_geometry *g = geometry;
   const size_t at = (size_t)y * g->n + x;
-  const float distance = olx_half_unpack(g->distance[at] & 0x7FFFu) * 12.5f; // the header's scale
+  const float distance = olx_half_unpack(g->distance[at] & 0x7FFFu) * 12.5f; // the header's distance scale
   return (olx_geometry_texel){distance, olx_normal_unpack(g->normal[at])};
 }
 
@@ -215,13 +215,13 @@ static olx_result write_classic(olx_field_writer *writer, const synthetic_shape 
   return result;
 }
 
-// ---- What relighting needs
+// ---- Relighting data
 
 static olx_vec3 some_direction(uint32_t random) {
   return olx_sample_sphere((olx_vec2){olx_unit_float(random), olx_unit_float(olx_hash(random))});
 }
 
-// Rows of `least`, `least` + 1, .. elements, `kinds` lengths in turn.
+// Rows of `least`, `least` + 1, ... elements, with `kinds` lengths in turn.
 typedef struct row_lengths {
   uint32_t rows, least, kinds;
 } row_lengths;
@@ -234,7 +234,7 @@ static uint32_t length_of_all(row_lengths l) {
   return sum;
 }
 
-// Links of surfels, entries of sites.
+// The lengths of rows of surfels' links and of sites' entries.
 typedef struct relight_rows {
   row_lengths links, entries;
 } relight_rows;
@@ -274,7 +274,7 @@ static void put_surfels(char **next, uint32_t count) {
   }
 }
 
-// Together they pass on less light than there is; some of it straight.
+// Writes links that together pass on less light than there is; a random share of it met no specular surface.
 static void put_links(char **next, uint32_t count, uint32_t surfels) {
   for (uint32_t i = 0; i < count; i++) {
     const uint32_t random = olx_hash2(i, 0xC000u);
@@ -284,7 +284,7 @@ static void put_links(char **next, uint32_t count, uint32_t surfels) {
   }
 }
 
-// Every seventh sees the sky alone.
+// Writes blocks of sites; every seventh sees nothing but the sky.
 static void put_blocks(char **next, uint32_t count, uint32_t sites) {
   for (uint32_t i = 0; i < count; i++) {
     const uint32_t first = olx_hash2(i, 0xE000u) % (sites - OLX_RELIGHT_BLOCK_SITES + 1);
@@ -293,7 +293,7 @@ static void put_blocks(char **next, uint32_t count, uint32_t sites) {
   }
 }
 
-// What the entries of a site weigh sums to 255: the last ones have what is left.
+// Writes entries of sites; the weights of each site sum to 255, with the remainder in the last entry.
 static void put_entries(char **next, row_lengths l, uint32_t surfels) {
   for (uint32_t site = 0; site < l.rows; site++) {
     uint32_t left[4] = {255, 255, 255, 255};
@@ -329,7 +329,7 @@ void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes) {
   put_blocks(&next, blocks, header.sites);
   put_starts(&next, rows.entries);
   put_entries(&next, rows.entries, header.surfels);
-  put_starts(&next, (row_lengths){.kinds = 1}); // of no volume probe
+  put_starts(&next, (row_lengths){.kinds = 1}); // no starts of volume probes
   return data;
 }
 

@@ -1,5 +1,6 @@
-// Tests baking against scenes whose light is known, such as spheres and boxes that return what they get, mirrors and
-// skies; and the file, which is whole or untouched whatever happens, and the same for any number of threads.
+// Tests baking against scenes whose light is known, such as spheres and boxes that return the light they receive,
+// mirrors and skies. Tests of the file show that it is whole or untouched whatever happens, and the same for any number
+// of threads.
 #include "bake/quadrature.h"
 #include "core/hooks.h"
 #include "core/pack.h"
@@ -79,7 +80,7 @@ static uint32_t add_material(olx_scene *scene, olx_vec3 color, float metallic, f
 
 enum { SPHERE_SIDE = 64 };
 
-// A sphere of radius 1 around the origin seen from inside, made from the octahedral map.
+// Adds a sphere of radius 1 around the origin, seen from inside, made from the octahedral map.
 static void add_sphere(olx_scene *scene, uint32_t material) {
   enum { N = SPHERE_SIDE, CORNERS = (N + 1) * (N + 1) };
   olx_vec3 *positions = olx_allocate(CORNERS, sizeof *positions), *normals = olx_allocate(CORNERS, sizeof *normals);
@@ -91,7 +92,7 @@ static void add_sphere(olx_scene *scene, uint32_t material) {
   for (uint32_t y = 0; y < N; y++) {
     for (uint32_t x = 0; x < N; x++) {
       const uint32_t a = y * (N + 1) + x, b = a + 1, c = a + N + 1, d = c + 1;
-      // Diagonals follow the folds, so that the halves' edges are those of the octahedron.
+      // The quads' diagonals follow the folds of the map, so that edges of the halves are those of the octahedron.
       const bool falling = (x < N / 2) == (y < N / 2);
       const uint32_t order[6] = {a, b, falling ? c : d, falling ? b : a, d, c};
       memcpy(indices + count, order, sizeof order);
@@ -149,7 +150,8 @@ static olx_field *bake_field(const olx_scene *scene, const olx_bake_settings *se
 
 static size_t texel_at(uint32_t stride, uint32_t x, uint32_t y) { return (size_t)(y + 1) * stride + x + 1; }
 
-// What a value within `tolerance` of `truth` can be once it is packed into R11G11B10F.
+// Asserts that a packed value is among those that values within `tolerance` of `truth` take once they are packed into
+// R11G11B10F.
 static void assert_packed_near(uint32_t packed, float truth, float tolerance) {
   const olx_vec3 low = olx_r11g11b10f_unpack(olx_r11g11b10f_pack(olx_splat(truth * (1.0f - tolerance))));
   const olx_vec3 high = olx_r11g11b10f_unpack(olx_r11g11b10f_pack(olx_splat(truth * (1.0f + tolerance))));
@@ -166,7 +168,7 @@ static float geometric_sum(float ratio, uint32_t terms) {
 
 // ---- light
 
-// In a sphere with a point light at its centre every bounce adds the albedo's share of the last one, everywhere.
+// In a sphere with a point light at its centre, every bounce adds the albedo times the previous one, everywhere.
 static void sphere_follows_the_series(void **state) {
   const folder *f = *state;
   const float albedo = 0.6f, intensity = 3.0f;
@@ -200,7 +202,7 @@ static void sphere_follows_the_series(void **state) {
   olx_scene_free(scene);
 }
 
-// A closed box that glows by itself: probes see the emission too, irradiance leaves it out.
+// In a closed box that emits, probes see the emission too, while irradiance leaves it out.
 static void glowing_box_follows_the_series(void **state) {
   const folder *f = *state;
   const float albedo = 0.5f, emission = 2.0f;
@@ -263,7 +265,8 @@ static void mirrors_reflect_mirrors(void **state) {
   olx_scene_free(scene);
 }
 
-// The same with rough metal: the single-scattering model loses a little at every reflection and never gains.
+// Between walls of rough metal, the single-scattering model loses a little light at every reflection and never gains
+// any.
 static void metal_is_not_black(void **state) {
   const folder *f = *state;
   const float reflectance = 0.8f, emission = 1.0f;
@@ -320,13 +323,13 @@ static void distances_are_those_of_the_box(void **state) {
     const olx_vec3 hit = olx_madd(position, d, truth), n = olx_texel_normal(field, 0, texel);
     assert_true(olx_dot(n, d) < 0.0f);
     assert_true(olx_max3(olx_v3(fabsf(n.x), fabsf(n.y), fabsf(n.z))) > 0.9999f);
-    // The wall the normal belongs to is the one that was hit.
+    // The normal belongs to the wall that the ray hit.
     assert_float_equal(olx_dot(n, hit), -2.0f, 2e-3f);
   }
-  // Straight at a wall the lobe sees r / cos; its mean over cos^e is r (e + 1) / e, that of the square r^2 (e + 1) / (e
-  // - 1).
+  // Towards the wall straight ahead the lobe sees distances r / cos; their mean over cos^e is r (e + 1) / e, that of
+  // their squares r^2 (e + 1) / (e - 1).
   const float e = OLX_MOMENTS_EXPONENT, r = 2.0f - 0.9f;
-  const size_t centre = texel_at(field->irradiance_stride, 64, 127); // towards +z, where v = 1
+  const size_t centre = texel_at(field->irradiance_stride, 64, 127); // the texel towards +z, where v = 1
   const uint32_t packed = field->moments[centre];
   assert_float_equal(olx_half_unpack((uint16_t)packed) * scale, r * (e + 1.0f) / e, 0.005f * r);
   assert_float_equal(olx_half_unpack((uint16_t)(packed >> 16)) * scale * scale, r * r * (e + 1.0f) / (e - 1.0f),
@@ -335,7 +338,7 @@ static void distances_are_those_of_the_box(void **state) {
   olx_scene_free(scene);
 }
 
-// A floor under a bright sky.
+// A floor under a bright sky: rays that miss it have an infinite distance.
 static void sky_is_infinitely_far(void **state) {
   const folder *f = *state;
   olx_scene *scene = begin_scene();
@@ -360,11 +363,12 @@ static void sky_is_infinitely_far(void **state) {
       assert_float_equal(olx_texel_distance(field, 0, texel), -0.5f / d.y, 1e-3f);
     }
   }
-  // Straight up: nothing but sky in the lobe. Straight down: light that the floor reflects, and no sky.
+  // Straight up the lobe contains nothing but sky; straight down it contains light that the floor reflects, and no sky.
   const size_t up = texel_at(field->irradiance_stride, 8, 8), down = texel_at(field->irradiance_stride, 0, 0);
   assert_float_equal(olx_half_unpack((uint16_t)field->moments[up]), 1.0f, 1e-3f);
   assert_float_equal(olx_half_unpack((uint16_t)(field->moments[up] >> 16)), 1.0f, 1e-3f);
-  // The floor sees the whole sky: it sends 0.5 * 2, over 0.25 + atan terms of the square; at least a half of pi.
+  // The floor sees the whole sky and sends a radiance of 0.5 * 2. It fills more than half of the cosine lobe straight
+  // down, so irradiance is between pi / 2 and pi.
   const float from_floor = olx_r11g11b10f_unpack(field->irradiance[down]).x;
   assert_true(from_floor > 0.5f * OLX_PI && from_floor < OLX_PI);
   assert_float_equal(olx_r11g11b10f_unpack(field->irradiance[up]).x, 0.0f, 0.05f);
@@ -386,7 +390,7 @@ static char *read_bytes(const char *path, size_t *size) {
   return bytes;
 }
 
-// A room with every kind of material and light.
+// Makes a room with every kind of material and light.
 static olx_scene *busy_scene(void) {
   olx_scene *scene = begin_scene();
   const uint32_t matt = add_material(scene, olx_v3(0.7f, 0.5f, 0.3f), 0.0f, 1.0f, olx_splat(0.0f));
@@ -434,7 +438,7 @@ static void bytes_do_not_depend_on_threads(void **state) {
       first_size = size;
     }
   }
-  // Timing Embree changes nothing.
+  // Measuring Embree's time does not change the file.
   settings.measure_embree = true;
   olx_bake_stats stats;
   olx_field_close(bake_field(scene, &settings, f->file, &stats));
@@ -475,7 +479,7 @@ static void another_seed_draws_other_noise_alone(void **state) {
   olx_scene_free(scene);
 }
 
-// Every legal combination of sizes and samples fits the tiles the work is cut into.
+// Every legal combination of sizes and samples works with the tiles that the work is divided into.
 static void sizes_and_samples_combine(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -497,7 +501,7 @@ static void sizes_and_samples_combine(void **state) {
 }
 
 typedef struct watch {
-  uint32_t calls, calls_for_light; // of all stages, and of those after the selectors
+  uint32_t calls, calls_for_light; // calls of all stages, and of those after the selectors
   float stop_at, last;
 } watch;
 
@@ -518,8 +522,8 @@ static bool keeps(const olx_scene *scene, olx_bake_settings settings, const fold
   return sizes.irradiance_probes > 0;
 }
 
-// Probe light is kept when it is asked for, when something else stands at irradiance probes or says how they get their
-// light, and where no volume would answer in their place.
+// Probe light is kept when it is requested, when other data is stored at irradiance probes or settings say how these
+// get their light, and when there is no volume to answer in their place.
 static void probe_light_is_kept_where_something_needs_it(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -539,14 +543,14 @@ static void probe_light_is_kept_where_something_needs_it(void **state) {
     }
     assert_true(keeps(scene, settings, f));
   }
-  plain.relight = true; // lights surfels, not probes
+  plain.relight = true; // relighting lights surfels, not probes
   assert_false(keeps(scene, plain, f));
-  plain.irradiance_grid.count[0] = plain.irradiance_size = 0; // they shape nothing
+  plain.irradiance_grid.count[0] = plain.irradiance_size = 0; // settings of irradiance probes that shape nothing
   assert_false(keeps(scene, plain, f));
   olx_scene_free(scene);
 }
 
-// The chunks of a file, but the description and probe light.
+// Asserts that both files have the same chunks, except the description and probe light; returns how many.
 static uint32_t assert_in_both(const olx_file_header *a, const olx_file_header *b) {
   const olx_file_chunk *in_a = (const void *)(a + 1), *in_b = (const void *)(b + 1);
   uint32_t alike = 0;
@@ -562,7 +566,7 @@ static uint32_t assert_in_both(const olx_file_header *a, const olx_file_header *
   return alike;
 }
 
-// Leaving probe light out changes no byte of the rest.
+// Leaving probe light out changes no byte of the other chunks.
 static void probe_light_stands_beside_the_rest(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -645,7 +649,8 @@ static void cancelling_keeps_the_old_file(void **state) {
       assert_float_equal(w.last, 1.0f, 0.0f);
       continue;
     }
-    if (result == OLX_OK) continue; // reports are rare: this bake was through before the one that would have stopped it
+    // Reports are rare, so this bake ended before the report that would have cancelled it.
+    if (result == OLX_OK) continue;
     assert_int_equal(result, OLX_ERROR_CANCELLED);
     size_t size = 0;
     char *bytes = read_bytes(f->file, &size);
@@ -656,7 +661,7 @@ static void cancelling_keeps_the_old_file(void **state) {
   olx_scene_free(scene);
 }
 
-// Killed at any moment, a bake leaves the old file or the whole new one. OCTALUX_KILLS sets how often.
+// A bake that is killed at any moment leaves the old file or the whole new one. OCTALUX_KILLS sets the number of kills.
 static void killing_leaves_old_or_new(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();

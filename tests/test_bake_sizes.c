@@ -1,4 +1,4 @@
-// Tests that a bake reports beforehand what it takes, the file to the byte and memory to a few per cent, and that one
+// Tests that a bake reports its needs beforehand, the file to the byte and memory to a few per cent, and that a bake
 // that does not fit is refused before it begins.
 #include "block/geometry_encode.h"
 #include "core/hooks.h"
@@ -20,7 +20,7 @@
 
 #include <cmocka.h>
 
-// Memory that knows how much of it is held at most.
+// Memory hooks that record the largest amount held at a time.
 enum { HEADER_BYTES = 64 };
 static atomic_llong held, most_held;
 
@@ -59,10 +59,10 @@ static void assert_as_measured(const scene_folder *folder, const olx_bake_settin
   atomic_store(&most_held, before);
   if (olx_bake(scene, settings, path, NULL, &stats) != OLX_OK) fail_msg("%s", olx_last_error());
   const double taken = (double)(atomic_load(&most_held) - before), said = (double)sizes.memory_bytes;
-  // How many tiles of emission there are is known only when the probes have looked: at most 4 bytes a texel.
+  // The number of emission tiles is known only when the probes have been traced; they take at most 4 bytes a texel.
   const uint64_t texels = (uint64_t)sizes.probes * settings->radiance_size * settings->radiance_size;
   assert_in_range(stats.file_bytes, sizes.file_bytes, sizes.file_bytes + 4 * texels + 64);
-  // Beside what is reckoned there are tables of a mebibyte or two, whatever the number of probes.
+  // Tables that are not part of the estimate take a mebibyte or two, whatever the number of probes.
   if (!(taken <= 1.02 * said + 0x1p21 && taken >= 0.95 * said)) fail_msg("%.0f bytes taken, %.0f said", taken, said);
 }
 
@@ -74,7 +74,7 @@ static void bakes_take_what_they_say(void **state) {
   base.irradiance_size = 32;
   base.samples = 1;
   base.threads = 2;
-  base.light = OLX_LIGHT_REFERENCE; // surfels and links are not reckoned: how many there are, the scene decides
+  base.light = OLX_LIGHT_REFERENCE; // surfels and links are not estimated, since their number depends on the scene
   base.reference_paths = 1;
   assert_as_measured(*state, &base, scene);
   olx_bake_settings changed = base;
@@ -97,7 +97,8 @@ static void bakes_take_what_they_say(void **state) {
   olx_set_hooks(NULL);
 }
 
-// Without probe light neither irradiance probes nor radiance are in the file, and nobody looks around for them.
+// Without probe light the file has neither irradiance probes nor radiance, and the bake takes less memory and fewer
+// rays.
 static void probe_light_has_its_size(void **state) {
   const scene_folder *folder = *state;
   char path[512];
@@ -121,8 +122,8 @@ static void probe_light_has_its_size(void **state) {
   olx_scene_free(scene);
 }
 
-// Light and material take 56 bytes a block of 16 texels, geometry 16, in the file and on a device; as texels 18 bytes
-// each, with a border, and a level of the pyramid.
+// Light and material take 56 bytes and geometry 16 bytes for a block of 16 texels, in the file and on a device; as
+// texels they take 18 bytes each, with a border and a level of the pyramid.
 static void blocks_have_their_size(void **state) {
   const scene_folder *folder = *state;
   char path[512];
@@ -135,15 +136,16 @@ static void blocks_have_their_size(void **state) {
   settings.uncompressed = true;
   assert_int_equal(olx_bake_measure(scene, &settings, path, &texels), OLX_OK);
   const uint64_t saved = blocks.probes * (18ull * 66 * 66 + 2 * 16 * 16 - 72ull * 16 * 16);
-  assert_in_range(texels.file_bytes - blocks.file_bytes, saved - 256, saved + 256); // chunks begin at multiples of 64
+  // A margin, since chunks begin at multiples of 64.
+  assert_in_range(texels.file_bytes - blocks.file_bytes, saved - 256, saved + 256);
   assert_int_equal(texels.device_bytes - blocks.device_bytes, saved);
-  // A probe's blocks, beside its texels; those of geometry also with all the planes that each may need, but two bytes
-  // less of pyramid.
+  // During a bake a probe's blocks are held beside its texels, and blocks of geometry with all the planes that each may
+  // need, but with two bytes less of pyramid.
   assert_int_equal(blocks.memory_bytes - texels.memory_bytes, (56 + 16 + sizeof(olx_geometry_code) - 2) * 16 * 16);
   olx_scene_free(scene);
 }
 
-// `place` says before the bake how large the field will be, and `bake` says the same.
+// Before the bake, `place` reports the size of the field, and `bake` reports the same size.
 static void place_and_bake_expect_the_same_file(void **state) {
   const scene_folder *folder = *state;
   char path[512];
@@ -183,17 +185,17 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   const double start = now_seconds();
   assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_ERROR_FILE);
-  assert_true(now_seconds() - start < 0.5); // 43 s before
+  assert_true(now_seconds() - start < 0.5); // the refusal comes before any work
   assert_non_null(strstr(olx_last_error(), "a.olx: 1000000 light field and 1000000 irradiance probes make a file of "));
   assert_non_null(strstr(olx_last_error(), " are free there"));
   assert_int_not_equal(access(path, F_OK), 0);
   assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_FILE);
   assert_int_equal(sizes.probes, 1000000);
   assert_true(sizes.file_bytes > 8ull * 514 * 514 * 1000000);
-  // A small file, but more memory than a machine has: irradiance probes alone.
+  // Irradiance probes alone make a small file whose bake needs more memory than a machine has.
   settings.radiance_size = settings.irradiance_size = 8;
   settings.irradiance_form = OLX_IRRADIANCE_SH2;
-  settings.bounce_gather = OLX_GATHER_IRRADIANCE; // keeps rays of every fitted point
+  settings.bounce_gather = OLX_GATHER_IRRADIANCE; // this way of gathering keeps rays of every fitted point
   const olx_result result = olx_bake_measure(scene, &settings, path, &sizes);
   assert_true(sizes.memory_bytes > 500000000000);
   if (sizes.available_memory_bytes < sizes.memory_bytes && sizes.available_disk_bytes > sizes.file_bytes) {
@@ -206,7 +208,8 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   olx_scene_free(scene);
 }
 
-// Twice the probes take twice the time, which is multiplied and not measured: the two estimates differ by noise alone.
+// The estimate grows in proportion to the number of probes, since it multiplies measured times: two estimates differ
+// from this proportion by noise alone.
 static void an_estimate_is_a_time(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
@@ -222,7 +225,7 @@ static void an_estimate_is_a_time(void **state) {
   assert_int_equal(olx_scene_probe_grid(scene, count, &settings.grid), OLX_OK);
   settings.irradiance_grid = settings.grid;
   assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &many), OLX_OK);
-  assert_true(many > 1000.0 * seconds); // 37,000 times as many of each at least
+  assert_true(many > 1000.0 * seconds); // at least 37,000 times as many probes of each kind
   settings.samples = 99;
   assert_int_equal(olx_bake_estimate_seconds(scene, &settings, NULL, &many), OLX_ERROR_ARGUMENT);
   olx_scene_free(scene);

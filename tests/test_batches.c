@@ -1,4 +1,4 @@
-// Tests that queries of many points at once give what the query of each point gives, to the last bit.
+// Tests that queries of many points at once give the same results as a query for each point, to the last bit.
 #include "baked_field.h"
 
 #include "core/sampling.h"
@@ -13,7 +13,7 @@
 
 enum { POINTS = 300 };
 
-// Points of a box, on surfaces and off them.
+// Points of a box, on its surfaces and elsewhere.
 typedef struct points {
   olx_vec3 positions[POINTS], normals[POINTS], shading[POINTS], views[POINTS];
   float roughness[POINTS];

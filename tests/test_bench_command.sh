@@ -1,4 +1,4 @@
-# octalux-bench: names, options, findings as text, JSON, pictures and a report.
+# octalux-bench: names, options, and findings as text, JSON, pictures and a report.
 source "$(dirname "$0")/cli/expect.sh"
 OCTALUX=$OCTALUX_BENCH
 export TMPDIR=$PWD/temporary
@@ -31,7 +31,7 @@ for way in 2x2x2__256__ path 2x2x2__16__; do
 done
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
-# The same numbers from any number of threads, and as text.
+# Numbers are the same from any number of threads, and as text.
 expect 0 mcguire-single-probe "${small[@]}" --threads 1 --json
 cp stdout.txt one.json
 expect 0 mcguire-single-probe "${small[@]}" --threads 3 --json
@@ -48,12 +48,12 @@ grep -q "^| cornell-glossy | 2x2x2 | 256² " stdout.txt || fail "no row of the f
 grep -q "^Left out: living-room: --quick" stdout.txt || fail "no word of what is left out"
 grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
 
-# One scene alone, and one that a quick look leaves out.
+# --only takes one scene, and reports a scene that a quick run leaves out.
 expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what"] for s in o["skipped"]] == ["sponza"]
   and {t["name"]: sorted({r["scene"] for r in t["rows"]}) for t in o["tables"] if t["rows"]} == {"modes": ["parlour"]}' \
   surfaces "${small[@]}" --only parlour,sponza
 
-# A stop on the way leaves nothing.
+# A run that is stopped leaves no files behind.
 "$OCTALUX" mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &
 await $! "mcguire-leaks: "
 kill -TERM $!

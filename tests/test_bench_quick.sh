@@ -1,10 +1,11 @@
-# Numbers of experiments at their quick sizes against the table in bench_quick.json; full_bench.sh compares all of them.
+# Compares numbers of experiments at their quick sizes with the table in bench_quick.json; full_bench.sh compares all of
+# them.
 source "$(dirname "$0")/cli/expect.sh"
 tests="$OCTALUX_SOURCE_DIR/tests"
 "$OCTALUX_BENCH" mcguire-resolution --quick --json >found.json 2>stderr.txt || fail "the experiment failed"
 PYTHONDONTWRITEBYTECODE=1 python3 "$tests/check_bench.py" "$tests/bench_quick.json" found.json >stdout.txt || fail "numbers differ"
 
-# What is not in the table, and what is off, is found.
+# The comparison reports numbers that are missing from the table, and numbers that differ.
 python3 - "$tests/bench_quick.json" <<'PYTHON'
 import json, sys
 table = json.load(open(sys.argv[1]))

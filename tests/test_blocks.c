@@ -1,5 +1,5 @@
-// Tests geometry blocks: planes that are encoded come back within the tolerance, bounds hold, and nothing that a file
-// may hold does harm.
+// Tests geometry blocks: encoded planes come back within the tolerance, bounds hold, and invalid contents of a file do
+// no harm.
 #include "block/geometry_encode.h"
 #include "core/sampling.h"
 
@@ -24,7 +24,7 @@ static olx_vec3 random_direction(uint32_t i, uint32_t which) {
   return olx_sample_sphere((olx_vec2){random_unit(i, 2 * which), random_unit(i, 2 * which + 1)});
 }
 
-// Every third lies on a fold.
+// Returns a random block of a map; every third block is on a fold.
 static olx_block_place random_place(uint32_t i) {
   const uint32_t n = SIZES[i % 5], side = n / OLX_BLOCK_SIDE;
   olx_block_place place = {n, olx_hash2(i, 1) % side, olx_hash2(i, 2) % side};
@@ -46,13 +46,14 @@ static float footprint_of(olx_block_place place, uint32_t texel, float distance)
   return distance * sqrtf((float)olx_texel_solid_angle(x, y, place.n));
 }
 
-// What a texel sees of the plane with normal n at distance h from the probe, on the side that it looks at.
+// Returns what a texel sees of the plane with normal n at distance h from the probe: nothing on the side that it does
+// not face.
 static olx_geometry_texel see_plane(olx_block_place place, uint32_t texel, olx_vec3 n, float h) {
   const float facing = -olx_dot(n, direction_of(place, texel));
   return (olx_geometry_texel){facing > 0.0f ? h / facing : INFINITY, n};
 }
 
-// A plane that all texels of the block see under at least 5 degrees.
+// Returns the normal of a plane that all texels of the block see under at least 5 degrees.
 static olx_vec3 facing_normal(olx_block_place place, uint32_t i, uint32_t which) {
   for (uint32_t attempt = 0;; attempt++) {
     const olx_vec3 n = random_direction(i, which + 100 * attempt);
@@ -74,7 +75,7 @@ static olx_vec3 decode(const olx_geometry_code *code, olx_block_place place, uin
 
 static uint32_t form_of(const olx_geometry_code *code) { return code->block.words[3] >> 30; }
 
-// Footprints between what a texel saw and its plane.
+// Returns the distance, in footprints, between the point that a texel saw and its plane.
 static float miss(olx_vec3 plane, olx_block_place place, uint32_t texel, float distance) {
   const olx_vec3 point = olx_scale(direction_of(place, texel), distance);
   return fabsf(olx_plane_depth(plane, point) - 1.0f) / olx_length(plane) / footprint_of(place, texel, distance);
@@ -82,7 +83,7 @@ static float miss(olx_vec3 plane, olx_block_place place, uint32_t texel, float d
 
 static bool is_sky(olx_vec3 plane) { return olx_dot(plane, plane) == 0.0f; }
 
-// Asserts that all texels come back, by the default tolerance.
+// Asserts that all texels come back within the default tolerance.
 static void assert_kept(const block_input *in, const olx_geometry_code *code) {
   assert_null(olx_geometry_check(&code->block, code->pooled));
   for (uint32_t k = 0; k < TEXELS; k++) {
@@ -116,7 +117,7 @@ static void one_plane_is_exact(void **state) {
   }
 }
 
-// A silhouette: a near plane before a far one, divided by a line across the block.
+// A block shows a silhouette: a near plane before a far one, divided by a line across the block.
 static void two_planes_keep_their_texels(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
@@ -158,7 +159,7 @@ static void sky_beside_a_plane_stays_sky(void **state) {
   }
 }
 
-// As many planes as texels, if need be.
+// A block takes as many planes from the pool as it has texels, if need be.
 static void finer_surfaces_go_to_the_pool(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 10000; i++) {
@@ -177,7 +178,7 @@ static void finer_surfaces_go_to_the_pool(void **state) {
   }
 }
 
-// Spheres of many sizes, of which texels see patches from flat to whole.
+// Spheres have many sizes, so that texels see patches from nearly flat to a whole sphere.
 static void curved_surfaces_keep_to_the_tolerance(void **state) {
   (void)state;
   uint32_t pooled = 0;
@@ -200,8 +201,8 @@ static void curved_surfaces_keep_to_the_tolerance(void **state) {
   assert_true(pooled > 1000 && pooled < 19000);
 }
 
-// By hand: a block in the quarter x, z > 0 of a map of 8 x 8 texels, whose middle lies 4 of 8 half texels from the
-// map's along both axes, on the fold.
+// Decodes planes by hand: the block is in the quarter x, z > 0 of a map of 8 x 8 texels, with its middle 4 of 8 half
+// texels from the map's along both axes, on the fold.
 static void coded_planes_mean_what_is_written(void **state) {
   (void)state;
   const olx_block_place place = {8, 1, 1};
@@ -216,7 +217,7 @@ static void coded_planes_mean_what_is_written(void **state) {
   assert_true(plane.y == (65536.0f - 4096.0f + 8192.0f) * unit);
   assert_true(plane.x == plane.y + 8192.0f * unit);
   assert_true(plane.z == plane.y - 16384.0f * unit);
-  // The same numbers in the block at the other side: x and z change their signs, and so do their slopes.
+  // For the same code in the opposite block, x and z change their signs, and so do their slopes.
   const olx_vec3 opposite = olx_plane_decode(code, (olx_block_place){8, 0, 0});
   assert_true(opposite.y == (65536.0f + 4096.0f - 8192.0f) * unit);
   assert_true(opposite.x == -(opposite.y - 8192.0f * unit) && opposite.z == -(opposite.y + 16384.0f * unit));
@@ -229,7 +230,7 @@ static void coded_planes_mean_what_is_written(void **state) {
   }
 }
 
-// No division stands between a point and whether it is hidden.
+// Whether a point is hidden is decided without a division.
 static void depth_tells_before_from_behind(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
@@ -245,7 +246,7 @@ static void depth_tells_before_from_behind(void **state) {
 
 // --- Bounds
 
-// Anywhere in the block: no decoded inverse depth lies outside.
+// The bounds of a block contain every inverse depth that it decodes to.
 static void bounds_hold_all_that_is_decoded(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 5000; i++) {
@@ -278,7 +279,7 @@ static void bounds_hold_all_that_is_decoded(void **state) {
   }
 }
 
-// --- What must do no harm
+// --- Invalid blocks and texels
 
 static void any_bits_decode(void **state) {
   (void)state;
@@ -288,7 +289,7 @@ static void any_bits_decode(void **state) {
   for (uint32_t i = 0; i < 20000; i++) {
     olx_geometry_block block;
     for (uint32_t k = 0; k < 4; k++) block.words[k] = olx_hash3(i, k, 23);
-    if (i % 4 == 1) block.words[0] = i % 8; // near the end of the pool
+    if (i % 4 == 1) block.words[0] = i % 8; // indices near the end of the pool
     const olx_block_place place = random_place(i);
     const char *problem = olx_geometry_check(&block, pool.count);
     for (uint32_t k = 0; k < TEXELS; k++) {
@@ -308,18 +309,18 @@ static void impossible_blocks_are_refused(void **state) {
   const uint32_t nan = 0x7FC00000u, tiny = 1;
   const olx_geometry_block bad[] = {{{nan, 0, 0, 0}},
                                     {{0, 0x7F800000u, 0, 0}},
-                                    {{0, 0, tiny, 0}}, // devices may take it for 0
-                                    {{0, 0, 0, 1}},    // reserved bits
+                                    {{0, 0, tiny, 0}}, // devices may flush this number to 0
+                                    {{0, 0, 0, 1}},    // reserved bits are set
                                     {{0, 0, 1u << 30, OLX_GEOMETRY_TWO << 30}},
-                                    {{7, 0, 0, OLX_GEOMETRY_POOL << 30}},           // beyond the pool
-                                    {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}}, // for one texel
-                                    {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}},  // the sum overflows
-                                    {{0, 0, 0, 3u << 30}}}; // unknown form
+                                    {{7, 0, 0, OLX_GEOMETRY_POOL << 30}},           // beyond the pool's end
+                                    {{0, 0, 0x70000000u, OLX_GEOMETRY_POOL << 30}}, // one texel's index is beyond
+                                    {{UINT32_MAX, 2, 0, OLX_GEOMETRY_POOL << 30}},  // the sum of indices overflows
+                                    {{0, 0, 0, 3u << 30}}};                         // a form that is unknown
   for (uint32_t i = 0; i < sizeof bad / sizeof bad[0]; i++) assert_non_null(olx_geometry_check(&bad[i], 7));
   assert_null(olx_geometry_check(&(olx_geometry_block){{0, 0x66666666u, 6, OLX_GEOMETRY_POOL << 30}}, 7));
 }
 
-// Whatever a texel claims, the block is valid, and texels that claim nothing odd are kept.
+// Blocks are valid whatever values texels have, and texels with ordinary values are kept.
 static void odd_texels_are_taken(void **state) {
   (void)state;
   const float odd[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1e-40f, 1e38f, 1e-30f, 3.0f};

@@ -1,5 +1,5 @@
-// Tests that textures of blocks decode on a device to what src/block decodes, for any bits and all modes. BC6H is
-// defined to the last bit; the other formats leave rounding open.
+// Tests that textures of blocks decode on a device to the values that src/block decodes, for any bits and all modes.
+// BC6H is defined to the last bit; the other formats leave rounding open.
 #include "block/bc1.h"
 #include "block/bc4.h"
 #include "block/bc6h.h"
@@ -31,7 +31,7 @@ static int set_up(void **state) {
   setting *s = calloc(1, sizeof *s);
   *state = s;
   gpu_device *d = &s->device;
-  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the layers may be missing
+  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the validation layers may be missing
   const VkDescriptorType types[2] = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
   assert_true(gpu_buffer_create(d, "blocks", 4 * MOST_WORDS, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, true, &s->blocks));
   assert_true(gpu_buffer_create(d, "texels", 16 * TEXELS, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true, &s->texels));
@@ -55,7 +55,7 @@ static int tear_down(void **state) {
   return code;
 }
 
-// Fill a texture with blocks and read all of its texels; false where the device has no such textures.
+// Fills a texture with blocks and reads all of its texels; returns false where the device has no such textures.
 static bool fetch(setting *s, VkFormat format) {
   gpu_device *d = &s->device;
   if (!d->host.device) return false;
@@ -93,7 +93,8 @@ static void bc6h_is_what_textures_hold(void **state) {
   if (!s->device.host.device) skip();
   uint32_t *words = s->blocks.mapped;
   for (uint32_t i = 0; i < 4 * BLOCKS; i++) words[i] = olx_hash2(i, 1);
-  for (uint32_t i = 0; i < BLOCKS; i++) words[4 * i] = (words[4 * i] & ~31u) | i % 32; // each mode as often
+  // Gives each mode the same number of blocks.
+  for (uint32_t i = 0; i < BLOCKS; i++) words[4 * i] = (words[4 * i] & ~31u) | i % 32;
   if (!fetch(s, VK_FORMAT_BC6H_UFLOAT_BLOCK)) skip();
   uint32_t bad[32] = {0}, all = 0;
   for (uint32_t i = 0; i < TEXELS; i++) {
@@ -109,7 +110,8 @@ static void bc6h_is_what_textures_hold(void **state) {
   assert_int_equal(all, 0);
 }
 
-// To so many steps of 255, for devices that interpolate with few bits.
+// Returns whether a value is near `expected` to within `steps` steps of 1/255, for devices that interpolate with few
+// bits.
 static bool near(float found, uint32_t expected, float steps) {
   return fabsf(found * 255.0f - (float)expected) <= steps + 0.01f;
 }
@@ -128,7 +130,7 @@ static void bc1_is_what_textures_hold(void **state) {
   assert_int_equal(bad, 0);
 }
 
-// Fifths, which the baker never writes, are off by 1.7 steps on a device whose weights have eight bits.
+// Weights of fifths, which the baker never writes, are off by 1.7 steps on a device whose weights have eight bits.
 static void two_of_bc4_are_what_textures_of_bc5_hold(void **state) {
   setting *s = *state;
   if (!s->device.host.device) skip();

@@ -1,4 +1,4 @@
-// Tests bricks: how cells of space come to list the probes that see them, and what is read from the lists.
+// Tests bricks: how cells of space list the probes that see them, and how these lists are read.
 #include "made_scenes.h"
 
 #include "bake/bricks_build.h"
@@ -16,7 +16,8 @@
 
 enum { ROOM = 4, MOST = 1000 };
 
-// A room 4 m wide. With a wall, a two-sided sheet at x = 1.7 divides it but for a slot under the ceiling, y > 3.
+// Makes a room 4 m wide. With `wall`, a two-sided sheet at x = 1.7 divides it except for a slot under the ceiling, y >
+// 3.
 static olx_scene *room(bool wall) {
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
@@ -74,7 +75,7 @@ static bool lists(const uint32_t *list, uint32_t probe) {
 
 // ---- what lists promise
 
-// A random point of the cell that `point` lies in, or of its brick when that has no cells.
+// Returns a random point of the cell that contains `point`, or of its brick when the brick has no cells.
 static olx_vec3 neighbour(const made_bricks *made, olx_vec3 point, uint32_t i) {
   const olx_bricks_header *h = made->bricks.header;
   const olx_vec3 origin = olx_v3(h->origin[0], h->origin[1], h->origin[2]);
@@ -88,8 +89,8 @@ static olx_vec3 neighbour(const made_bricks *made, olx_vec3 point, uint32_t i) {
   return olx_madd(origin, olx_add(corner, olx_v3(xy.x, xy.y, z.x)), side);
 }
 
-// Whether the line of sight clears the wall, or misses that by no more than a texel, which spans so many radians at
-// most: in height or in depth.
+// Returns whether the line of sight clears the wall, or misses the slot by no more than a texel, in height or in depth;
+// a texel spans at most `texel` radians.
 static bool nearly_sees(olx_vec3 probe, olx_vec3 point, float texel) {
   if ((probe.x < 1.7f) == (point.x < 1.7f)) return true;
   const olx_vec3 way = olx_sub(point, probe);
@@ -127,7 +128,7 @@ static void test_listed_probes_see_their_cell(void **state) {
   olx_scene_free(scene);
 }
 
-// More than that: one of those listed sees the very point, and nearly always the nearest that sees it is among them.
+// At least one probe of a point's list sees the very point, and nearly always the nearest probe that sees it is listed.
 static void test_what_is_seen_lists_who_sees_it(void **state) {
   (void)state;
   olx_scene *scene = room(true);
@@ -160,7 +161,7 @@ static void test_what_is_seen_lists_who_sees_it(void **state) {
   olx_scene_free(scene);
 }
 
-// In an empty room everyone sees everything: lists hold the nearest probe, and none twice.
+// In an empty room every probe sees everything: lists hold the nearest probe, and no probe twice.
 static void test_the_nearest_is_listed_where_all_see(void **state) {
   (void)state;
   olx_scene *scene = room(false);
@@ -178,7 +179,7 @@ static void test_the_nearest_is_listed_where_all_see(void **state) {
     }
     nearest_listed += lists(list, nearest);
     for (uint32_t k = 0; k < OLX_BRICK_PROBES; k++) {
-      assert_true(olx_bricks_probe(list, k) < made.count); // forty see it, so eight are found
+      assert_true(olx_bricks_probe(list, k) < made.count); // forty probes see the point, so the list is full with eight
       for (uint32_t l = 0; l < k; l++) assert_true(olx_bricks_probe(list, l) != olx_bricks_probe(list, k));
     }
   }
@@ -289,7 +290,7 @@ static void test_any_place_has_a_list(void **state) {
     assert_true(list >= made.bricks.lists);
     assert_true(list < made.bricks.lists + (size_t)made.bricks.header->lists * OLX_BRICK_LIST_WORDS);
   }
-  // What lies outside counts to the nearest cell.
+  // Points outside the structure use the list of the nearest cell.
   assert_ptr_equal(olx_bricks_list(&made.bricks, olx_v3(-50, 1, 1)), olx_bricks_list(&made.bricks, olx_v3(0, 1, 1)));
   release(&made);
   olx_scene_free(scene);
@@ -301,7 +302,7 @@ static void refused(const made_bricks *made, size_t size_bytes, const char *mess
   if (!strstr(olx_last_error(), message)) fail_msg("\"%s\" where \"%s\" is wanted", olx_last_error(), message);
 }
 
-// Put a value in a word, see it refused, and put back what was there.
+// Changes a word, checks that the structure is refused, and restores the word.
 static void refused_with(made_bricks *made, const uint32_t *word, uint32_t value, const char *message) {
   uint32_t *words = made->data;
   const size_t at = (size_t)(word - words);
@@ -333,7 +334,7 @@ static void test_corrupt_structures_are_refused(void **state) {
   refused_with(&made, words + 3, 0, "cells of 0 metres");
   refused_with(&made, words + 3, infinite, "cells of inf metres");
   refused_with(&made, words + 3, 0xBF800000u, "cells of -1 metres");
-  refused_with(&made, words + 3, 1, "cells of"); // so small that its inverse overflows
+  refused_with(&made, words + 3, 1, "cells of"); // a size so small that its inverse overflows
   refused_with(&made, words + divided, UINT32_MAX, "divided");
   refused_with(&made, words + lists_at, 0, "0 lists");
   refused_with(&made, words + lists_at, 65537, "65537 lists");

@@ -28,8 +28,8 @@ static void assert_near(double value, double expected, double tolerance) {
 
 // ---- the distribution of normals
 
-// A half vector for (u, turn) in [0, 1)^2: tan^2 / alpha^2 = 1 / (1 - u)^2 - 1, so that integrals over u are smooth for
-// any alpha, up to grazing angles. *solid_angle is that of the whole square at this point.
+// Returns a half vector for (u, turn) in [0, 1)^2: tan^2 / alpha^2 = 1 / (1 - u)^2 - 1, so that integrals over u are
+// smooth for any alpha, up to grazing angles. *solid_angle is that of the whole square at this point.
 static olx_vec3 half_at(float alpha, double u, double turn, double *solid_angle) {
   const double rest = 1.0 - u, a2 = (double)alpha * (double)alpha, b = 1.0 + a2 * (1.0 / (rest * rest) - 1.0);
   const double cosine = sqrt(1.0 / b), sine = sqrt(1.0 - 1.0 / b), azimuth = (2.0 * turn - 1.0) * (double)OLX_PI;
@@ -76,14 +76,14 @@ static void visible_normals_project_to_the_view(void **state) {
 
 enum { RINGS = 20, SECTORS = 20, FINE = 16, DRAWS = 1 << 16 };
 
-// The cell of the square of half_at.
+// Returns the cell of half_at's square that a half vector falls into.
 static uint32_t half_cell(float alpha, olx_vec3 half) {
   const float u = 1.0f - 1.0f / sqrtf(1.0f + (half.x * half.x + half.y * half.y) / olx_square(half.z * alpha));
   const float turn = (atan2f(half.y, half.x) + OLX_PI) / (2.0f * OLX_PI);
   return (uint32_t)olx_min(u * RINGS, RINGS - 1) * SECTORS + (uint32_t)olx_min(turn * SECTORS, SECTORS - 1);
 }
 
-// What the density of directions says of each cell, for directions above the surface.
+// Integrates the density of directions over each cell, for directions above the surface.
 static void expected_shares(float alpha, olx_vec3 view, double *shares) {
   for (uint32_t cell = 0; cell < RINGS * SECTORS; cell++) {
     double sum = 0.0, solid_angle;
@@ -98,7 +98,8 @@ static void expected_shares(float alpha, olx_vec3 view, double *shares) {
   }
 }
 
-// Pearson's statistic over the cells that expect enough, with one more for all others and what falls below the surface.
+// Returns Pearson's statistic over the cells with enough expected draws; all other cells and directions below the
+// surface count as one more cell.
 static double deviation(const uint32_t *counts, const double *shares) {
   double statistic = 0.0, rest_share = 1.0, rest_count = DRAWS, freedom = 0.0;
   for (uint32_t i = 0; i < RINGS * SECTORS; i++) {
@@ -200,7 +201,7 @@ static void specular_reflection_is_reciprocal(void **state) {
   }
 }
 
-// The share of light from everywhere that both lobes send to the view.
+// Returns the share of light from everywhere that both lobes reflect to the view.
 static double directional_albedo(const olx_bsdf *b, olx_vec3 view) {
   enum { COUNT = 4096 };
   double specular = 0.0;
@@ -212,7 +213,8 @@ static double directional_albedo(const olx_bsdf *b, olx_vec3 view) {
   return specular / COUNT + (double)olx_bsdf_diffuse(b, view.z).x;
 }
 
-// Fresnel's factor in its place is off by 0.4 for a rough dielectric at grazing angles, and by 0.7 for metals.
+// Fresnel's factor in place of the integral would be off by 0.4 for a rough dielectric at grazing angles, and by 0.7
+// for metals.
 static void the_lobes_reflectance_is_its_integral(void **state) {
   (void)state;
   static const float metallic[2] = {0.0f, 1.0f};
@@ -233,7 +235,7 @@ static void the_lobes_reflectance_is_its_integral(void **state) {
   }
 }
 
-// Base colours reach 0.95 at most: importers clamp them.
+// Base colours are at most 0.95, since importers clamp them.
 static void no_surface_sends_out_more_than_it_gets(void **state) {
   (void)state;
   for (uint32_t r = 0; r < ROUGHNESS_COUNT; r++) {
@@ -249,7 +251,7 @@ static void no_surface_sends_out_more_than_it_gets(void **state) {
   }
 }
 
-// What single scattering loses is known to be small for smooth surfaces.
+// Single scattering loses little light on smooth surfaces.
 static void smooth_white_metal_loses_almost_nothing(void **state) {
   (void)state;
   for (uint32_t v = 0; v < 3; v++) {
@@ -285,7 +287,8 @@ static void a_dielectric_reflects_four_percent_and_the_rest_is_split(void **stat
   (void)state;
   const olx_bsdf b = olx_bsdf_make(olx_splat(1.0f), 0.0f, 0.0f, 1.0f);
   assert_near((double)olx_fresnel(&b, 1.0f).x, 0.04, 1e-7);
-  // Of a smooth white dielectric, what the mirror does not take is diffuse: together all of it, at any angle.
+  // A smooth white dielectric reflects diffusely what the mirror does not reflect, so it reflects all light at any
+  // angle.
   for (uint32_t v = 0; v < VIEW_COUNT; v++) {
     assert_near(directional_albedo(&b, direction(VIEW_COSINES[v], 0.0f)), 1.0, 1e-5);
   }

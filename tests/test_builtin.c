@@ -56,13 +56,13 @@ static olx_vec3 probe(const olx_grid *grid, uint32_t i) {
 
 static uint32_t probe_count(const olx_grid *grid) { return grid->count[0] * grid->count[1] * grid->count[2]; }
 
-// Cloth has no inside: both of its sides show.
+// Returns whether a material is cloth, whose surfaces have no inside, so that both sides are seen.
 static bool is_cloth(const olx_material *material) {
   const size_t length = strlen(material->name);
   return length > 6 && strcmp(material->name + length - 6, " cloth") == 0;
 }
 
-// Share of directions in which the point sees a surface from behind.
+// Returns the share of directions in which the point sees a surface from behind.
 static float back_face_share(const olx_scene *scene, olx_vec3 point) {
   const uint32_t n = 400;
   uint32_t behind = 0;
@@ -130,8 +130,8 @@ static void exactly_the_expected_probes_are_inside_geometry(void **state) {
     uint32_t buried = 0;
     for (uint32_t p = 0; p < probe_count(&grid); p++) {
       const float share = back_face_share(scene, probe(&grid, p));
-      // Inside a solid nearly all that is seen is seen from behind; outside, nothing is but the open Cornell box's or a
-      // light's back.
+      // Inside a solid nearly every surface is seen from behind; outside, only the open Cornell box and lights show
+      // their backs.
       assert_true(share < 0.05f || share > 0.6f);
       buried += share > 0.6f;
     }
@@ -153,7 +153,8 @@ static void the_buried_probes_of_the_pillars_are_those_of_the_figure(void **stat
   olx_scene_free(scene);
 }
 
-// The cameras of closed rooms stand inside them, look at fronts, and no reflection leads out or behind a surface.
+// Cameras of closed rooms are inside them and look at fronts of surfaces, and no reflection leads out or behind a
+// surface.
 static void light_stays_in_closed_rooms_and_on_the_fronts_of_surfaces(void **state) {
   (void)state;
   for (uint32_t i = 0; i < SCENE_COUNT; i++) {
@@ -170,7 +171,8 @@ static void light_stays_in_closed_rooms_and_on_the_fronts_of_surfaces(void **sta
         if (s.back_face && !light_back && !is_cloth(&scene->materials[s.material]))
           fail_msg("%s: %s seen from behind at (%g, %g, %g)", expected[i].name, scene->materials[s.material].name,
                    (double)s.position.x, (double)s.position.y, (double)s.position.z);
-        // On from a point before the surface, where the ray has been: in a corner rounding cannot lead into matter.
+        // The next ray starts a little before the surface, where the last ray has been: in a corner, rounding cannot
+        // put it behind a wall.
         const olx_vec3 d = olx_sample_cosine(made_random(i * 8 + c, step));
         ray.origin = olx_madd(ray.origin, ray.direction, hit.t - olx_min(0.01f, 0.5f * hit.t));
         ray.direction = olx_from_basis(d, s.geometric_normal);
@@ -193,7 +195,7 @@ static void the_cornell_box_is_open_in_front_alone(void **state) {
                         at_front.y > 0.0f && at_front.y < 0.5488f;
     assert_int_equal(hit.triangle == OLX_NO_HIT, leaves);
   }
-  // Red on the left of the picture, green on the right, and the light above.
+  // The red wall is on the left of the picture, the green one on the right, and the light above.
   const olx_ray left = {{0.278f, 0.4f, 0.3f}, {1.0f, 0.0f, 0.0f}, 0.0f, INFINITY};
   const olx_ray right = {{0.278f, 0.4f, 0.3f}, {-1.0f, 0.0f, 0.0f}, 0.0f, INFINITY};
   const olx_ray up = {{0.278f, 0.4f, 0.3f}, {0.0f, 1.0f, 0.0f}, 0.0f, INFINITY};
@@ -206,7 +208,7 @@ static void the_cornell_box_is_open_in_front_alone(void **state) {
   olx_scene_free(scene);
 }
 
-// From the lit room's side, how many of n diffuse walks come into the other room?
+// Returns how many of n diffuse walks that begin on the lit room's side enter the other room.
 static uint32_t walks_that_cross(const char *name) {
   olx_scene *scene = load(name);
   uint32_t crossed = 0;
@@ -276,7 +278,7 @@ static void the_wall_between_the_rooms_is_thick_and_stands_between_probe_columns
   olx_scene_free(scene);
 }
 
-// Emission 1 and albedo one half everywhere sum to a radiance of 2 along every path.
+// With emission 1 and albedo one half everywhere, radiance sums to 2 along every path.
 static void every_path_in_the_furnace_carries_two(void **state) {
   (void)state;
   olx_scene *scene = load("furnace");
@@ -296,7 +298,7 @@ static void every_path_in_the_furnace_carries_two(void **state) {
   olx_scene_free(scene);
 }
 
-// A star-shaped hall: its one probe sees every point of it.
+// The hall is star-shaped, so its one probe sees every point of it.
 static void the_probe_of_the_holodeck_sees_everything(void **state) {
   (void)state;
   olx_scene *scene = load("holodeck");
@@ -311,7 +313,7 @@ static void the_probe_of_the_holodeck_sees_everything(void **state) {
       const olx_surface s = olx_surface_at(scene, &hit, olx_sub(a, grid.origin));
       assert_false(s.back_face);
       const olx_ray ray = olx_surface_ray_to(&s, grid.origin, 0.0f);
-      // What lies straight above the lamp is in its shadow.
+      // The ceiling straight above the lamp is in its shadow.
       if (s.position.y > 3.49f && fabsf(s.position.x) < 0.8f && fabsf(s.position.z) < 0.8f) continue;
       assert_false(olx_bvh_occluded(scene->bvh, &ray));
     }

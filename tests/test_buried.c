@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-// A field of small maps with as many probes of each kind on a grid.
+// Bakes a field of small maps with both kinds of probes on the same grid.
 static olx_field *bake(const olx_scene *scene, olx_grid grid) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.grid = settings.irradiance_grid = grid;
@@ -48,7 +48,7 @@ static uint32_t add_grey(olx_scene *scene) {
   return made_material(scene, &material);
 }
 
-// Two probes along each axis of a room from -1 to 1.
+// The grid has two probes along each axis of a room from -1 to 1.
 static const olx_grid eight = {.origin = {-0.6f, -0.6f, -0.6f}, .spacing = {1.2f, 1.2f, 1.2f}, .count = {2, 2, 2}};
 
 static void probes_in_pillars_are_found(void **state) {
@@ -65,7 +65,7 @@ static void probes_in_pillars_are_found(void **state) {
   olx_scene_free(scene);
 }
 
-// Nobody asks for their maps, so no rays are spent on gathering light inside of a pillar.
+// The maps of buried probes are never read, so no rays are traced to gather light inside a pillar.
 static void probes_in_pillars_hold_no_indirect_light(void **state) {
   (void)state;
   olx_grid grid;
@@ -81,7 +81,7 @@ static void probes_in_pillars_hold_no_indirect_light(void **state) {
   olx_scene_free(scene);
 }
 
-// Back faces alone bury nobody: a room whose walls all face outwards, and a sheet seen from behind.
+// Back faces alone bury no probe: tested in a room whose walls all face outwards, and before a sheet seen from behind.
 static void odd_windings_bury_nobody(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -94,7 +94,7 @@ static void odd_windings_bury_nobody(void **state) {
   scene = made_scene();
   add_grey(scene);
   made_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false, 0);
-  // A curtain close in front of half of the probes, its front towards the other half: they see mostly its back.
+  // A curtain hangs close to half of the probes, which see mostly its back; its front faces the other half.
   const olx_vec3 corners[4] = {{-1, -1, -0.5f}, {1, -1, -0.5f}, {1, 1, -0.5f}, {-1, 1, -0.5f}};
   const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
   assert_int_equal(olx_scene_add_mesh(scene, "curtain", corners, NULL, NULL, 4, indices, 2, 0), OLX_OK);
@@ -103,7 +103,7 @@ static void odd_windings_bury_nobody(void **state) {
   olx_scene_free(scene);
 }
 
-// One block in such a room, and a probe in it.
+// A probe inside a block is buried, in rooms of either winding.
 static void blocks_bury_in_any_room(void **state) {
   (void)state;
   for (uint32_t outward = 0; outward < 2; outward++) {

@@ -1,4 +1,4 @@
-// Tests the ray caster: what it hits, what it lets through, and that packets answer as single rays do.
+// Tests the ray caster: what it hits, what it lets through, and that packets give the same answers as single rays.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-// Triangles strewn in the cube [-1, 1]^3 by hashing.
+// Scatters triangles in the cube [-1, 1]^3 by hashing.
 static olx_scene *strewn_scene(uint32_t triangles, uint32_t seed) {
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
@@ -42,7 +42,7 @@ static olx_ray random_ray(uint32_t seed) {
   return (olx_ray){olx_scale(olx_sample_sphere(a), 1.2f), olx_sample_sphere(b), 0.0f, INFINITY};
 }
 
-// Nearest hit by testing every triangle in double precision; negative for a miss.
+// Returns the distance of the nearest hit, tested against every triangle in double precision; negative for a miss.
 static double nearest_by_search(const olx_scene *scene, const olx_ray *ray) {
   double nearest = -1.0;
   for (uint32_t t = 0; t < scene->triangle_count; t++) {
@@ -78,7 +78,7 @@ static void rays_hit_what_a_search_over_all_triangles_finds(void **state) {
     if (found != (truth >= 0.0) || (found && fabs((double)hit.t - truth) > 1e-5)) disagreements++;
   }
   assert_true(hits > 500);
-  // A ray within rounding of an edge may be told either way.
+  // A ray within rounding of an edge may hit or miss.
   assert_true(disagreements <= 1);
   olx_scene_free(scene);
 }
@@ -97,7 +97,7 @@ static void barycentric_coordinates_give_the_hit_point(void **state) {
   olx_scene_free(scene);
 }
 
-// Every length of the array, so that the last packet is filled to every degree.
+// Arrays of every length are tested, so that the last packet is filled to every degree.
 static void packets_answer_as_single_rays(void **state) {
   (void)state;
   olx_scene *scene = strewn_scene(300, 11);
@@ -145,13 +145,13 @@ static void rays_end_at_t_max_and_begin_at_t_min(void **state) {
     assert_int_equal(occluded, cases[i].occluded);
     assert_int_equal(olx_bvh_occluded(scene->bvh, &ray), cases[i].occluded);
   }
-  // Distances are in lengths of the direction.
+  // Distances are in multiples of the direction's length.
   const olx_ray slow = {{0.2f, 2.0f, 0.3f}, {0.0f, -0.25f, 0.0f}, 0.0f, INFINITY};
   assert_true(fabsf(olx_bvh_intersect(scene->bvh, &slow).t - 8.0f) < 1e-5f);
   olx_scene_free(scene);
 }
 
-// A masked square above an opaque one: its right half is cut out by the texture's alpha.
+// Makes a masked square above an opaque one: the masked square's right half is cut out by the texture's alpha.
 static olx_scene *masked_scene(void) {
   olx_scene *scene = made_scene();
   const uint8_t texels[8] = {255, 255, 255, 255, 255, 255, 255, 0};
@@ -194,7 +194,7 @@ static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers
   olx_scene_free(scene);
 }
 
-// A closed mesh seen along rays aimed exactly at its edges and corners.
+// Rays aimed exactly at edges and corners of a closed mesh hit it.
 static void no_ray_slips_between_triangles(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -225,7 +225,7 @@ static void no_ray_slips_between_triangles(void **state) {
     const uint32_t t = n % (SIDE * SIDE * 2);
     const olx_vec3 a = corners[indices[3 * t]], b = corners[indices[3 * t + 2]];
     const olx_vec3 target = olx_mix3(a, b, n % 3 == 0 ? 0.0f : olx_unit_float(olx_hash(n)));
-    // The sheet's rim has a neighbour on one side only.
+    // Points near the sheet's rim are left out, since edges there have a triangle on one side only.
     if (target.x < -0.99f || target.x > 1.66f || target.z < -0.49f || target.z > 0.64f) continue;
     const olx_vec3 origin = {olx_unit_float(olx_hash2(n, 5)), 3.0f, olx_unit_float(olx_hash2(n, 6)) - 0.5f};
     const olx_ray ray = {origin, olx_normalize(olx_sub(target, origin)), 0.0f, INFINITY};

@@ -1,4 +1,4 @@
-// Tests that whatever takes long ends with OLX_ERROR_CANCELLED soon after its progress returned false, and leaves
+// Tests that all long work ends with OLX_ERROR_CANCELLED soon after its progress callback returned false, and leaves
 // nothing behind.
 #include "core/parallel.h"
 #include "place_fixtures.h"
@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-// Cancels at report number `at`.
+// A progress callback's state, which cancels at report number `at`.
 typedef struct canceller {
   uint32_t at, reports;
   float done;
@@ -31,7 +31,7 @@ static bool count_reports(void *user, const char *stage, float done) {
   return ++c->reports != c->at;
 }
 
-// Cancels ever later, until the work is done before it would be.
+// Each run is cancelled at a later report, until placement ends before that report.
 static void placement_is_one_task_that_can_be_cancelled_anywhere(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
@@ -66,7 +66,7 @@ static olx_result load_watched(void *user) {
   return olx_scene_load(l->name, &l->scene);
 }
 
-// A built-in scene reads no file: what takes its time, and notices, is Embree's build.
+// Loading a built-in scene reads no file: Embree's build takes the time and notices the cancellation.
 static void loading_can_be_cancelled_while_embree_builds(void **state) {
   (void)state;
   canceller c = {.at = 1};
@@ -101,7 +101,7 @@ static void cooking_can_be_cancelled(void **state) {
   canceller c = {.at = 1};
   const olx_progress progress = {.report = count_reports, .user = &c};
   assert_int_equal(olx_watch(&progress, "cooking", cook_watched, &cook), OLX_ERROR_CANCELLED);
-  assert_int_equal(rmdir(folder), 0); // nothing lies in it
+  assert_int_equal(rmdir(folder), 0); // succeeds only when the folder is empty
   olx_scene_free((olx_scene *)(uintptr_t)cook.scene);
 }
 
@@ -110,7 +110,7 @@ static void visit(void *user, uint32_t index) {
   atomic_fetch_add((atomic_uint *)user, 1);
 }
 
-// Loops that know of no task watch the thread's, and a task inside another ends with it.
+// Loops without a task of their own watch the task of their thread, and a nested task ends with the outer one.
 static void loops_watch_the_tasks_of_their_thread(void **state) {
   (void)state;
   canceller c = {.at = 1};

@@ -1,5 +1,5 @@
-// Holds the baseline (docs/maths.md, "The baseline") to the integrals that its maps approximate, and to scenes whose
-// light is known.
+// Compares the baseline (docs/maths.md, "The baseline") with the integrals that its maps approximate, and with scenes
+// whose light is known.
 #include "bake/classic_filter.h"
 #include "baked_field.h"
 #include "core/bsdf.h"
@@ -19,7 +19,6 @@
 #include <cmocka.h>
 
 // --- The reflection model, integrated here on its own
-// -------------------------------------------------------------------
 
 typedef struct vector {
   double x, y, z;
@@ -30,7 +29,7 @@ static double masking(double alpha, double cosine) {
   return cosine / (cosine * (1.0 - k) + k);
 }
 
-// Cook-Torrance times the cosine at the light, for normal +z.
+// Returns Cook-Torrance times the cosine at the light, for a surface with normal +z.
 static double reflection(double alpha, vector v, vector l, double f0) {
   if (l.z <= 0.0) return 0.0;
   vector h = {v.x + l.x, v.y + l.y, v.z + l.z};
@@ -41,8 +40,8 @@ static double reflection(double alpha, vector v, vector l, double f0) {
   return distribution * fresnel * masking(alpha, v.z) * masking(alpha, l.z) / (4.0 * v.z);
 }
 
-// The light reflected towards `v` in light that is 1 from everywhere: over half vectors (x = tan theta / alpha in steps
-// that grow, and azimuth), not over draws from the distribution.
+// Returns the share of light reflected towards `v` under light of 1 from everywhere, integrated over half vectors (x =
+// tan theta / alpha in growing steps, and azimuth), not over draws from the distribution.
 static double albedo(double alpha, double cosine, double f0) {
   enum { STEPS = 500, TURNS = 100 };
   const vector v = {sqrt(1.0 - cosine * cosine), 0.0, cosine};
@@ -56,7 +55,7 @@ static double albedo(double alpha, double cosine, double f0) {
       const double vh = v.x * h.x + v.z * h.z;
       if (vh <= 0.0) continue;
       const vector l = {2.0 * vh * h.x - v.x, 2.0 * vh * h.y, 2.0 * vh * h.z - v.z};
-      // Solid angle of h is s d theta d phi, and d theta = alpha c^2 dx; that of l is 4 v.h times it.
+      // The solid angle of h is s d theta d phi, with d theta = alpha c^2 dx; that of l is 4 v.h times larger.
       sum += reflection(alpha, v, l, f0) * 4.0 * vh * s * alpha * c * c * dx * 2.0 * (double)OLX_PI / TURNS;
     }
   }
@@ -94,7 +93,6 @@ static void the_table_holds_the_integrals_it_stands_for(void **state) {
 }
 
 // --- Filtering a cube map
-// -----------------------------------------------------------------------------------------------
 
 typedef olx_vec3 (*environment)(olx_vec3 direction);
 
@@ -126,7 +124,7 @@ static void assert_near(olx_vec3 value, olx_vec3 expected, float tolerance) {
            (double)expected.y, (double)expected.z);
 }
 
-// Split sum and prefiltered radiance against the directional albedo, within 1 %.
+// Split sum and prefiltered radiance together give the directional albedo under uniform light, within 1 %.
 static void uniform_light_comes_back_as_the_directional_albedo(void **state) {
   (void)state;
   static const uint32_t sizes[3][2] = {{32, 32}, {64, 128}, {128, 64}};
@@ -141,7 +139,7 @@ static void uniform_light_comes_back_as_the_directional_albedo(void **state) {
     }
     olx_classic_filter_free(&f);
   }
-  // So what is left is the table.
+  // Prefiltered uniform light is uniform, so only the table remains to be tested.
   uint32_t *table = table_make();
   for (uint32_t i = 0; i < 10; i++) {
     for (uint32_t k = 0; k < 10; k++) {
@@ -158,7 +156,7 @@ static void uniform_light_comes_back_as_the_directional_albedo(void **state) {
   olx_release(table);
 }
 
-// The mean cosine of the directions that a rough lobe reflects to an eye along the normal.
+// Returns the mean cosine of the directions that a rough lobe reflects to an eye along the normal.
 static double mean_cosine(double alpha) {
   enum { STEPS = 200000 };
   double weights = 0.0, sum = 0.0;
@@ -191,7 +189,7 @@ static void light_that_grows_linearly_is_filtered_as_it_should(void **state) {
   olx_classic_filter_free(&f);
 }
 
-// How far from an edge the octahedral map still blurs, by the sharpness of the filter.
+// Returns how far from an edge the octahedral map still blurs, for a sharpness of the filter.
 static float blur_of(uint32_t sharpness) {
   olx_classic_filter f = filtered(halved, 64, 128, sharpness);
   const olx_vec3 across = olx_normalize(olx_v3(1.0f, 0.3f, 0.0f));
@@ -208,18 +206,17 @@ static float blur_of(uint32_t sharpness) {
 static void sharpness_narrows_the_filter(void **state) {
   (void)state;
   const float wide = blur_of(100), middle = blur_of(1000), narrow = blur_of(10000);
-  // Two deviations of a lobe, 1 / root of the exponent each, and a texel.
+  // The blur reaches two deviations of a lobe, 1 / root of the exponent each, and a texel.
   assert_true(wide > 0.15f && wide < 0.25f);
   assert_true(middle > 0.04f && middle < 0.08f);
   assert_true(narrow < 0.03f);
-  // A lobe that falls between the texels of a coarse cube map takes the nearest.
+  // A lobe that falls between the texels of a coarse cube map takes the nearest texel.
   olx_classic_filter f = filtered(uniform, 256, 32, 65536);
   for (uint32_t i = 0; i < 256 * 256; i += 97) assert_near(f.levels[0][i], uniform(olx_splat(0)), 1e-4f);
   olx_classic_filter_free(&f);
 }
 
 // --- Parallax
-// -----------------------------------------------------------------------------------------------------------
 
 static void a_box_room_is_seen_without_parallax(void **state) {
   (void)state;
@@ -231,7 +228,7 @@ static void a_box_room_is_seen_without_parallax(void **state) {
     const olx_vec3 p = olx_add(box.low, olx_mul(inside, olx_sub(box.high, box.low)));
     const olx_vec3 d = olx_sample_sphere(olx_hammersley(i, 2000));
     const olx_vec3 towards = olx_classic_parallax(&box, probe, p, d);
-    // From the probe along that direction to the wall is where the ray meets it.
+    // The ray must meet the wall at the point where the probe's direction meets it.
     float from_probe = INFINITY, from_point = INFINITY;
     for (uint32_t axis = 0; axis < 3; axis++) {
       const float *low = &box.low.x + axis, *high = &box.high.x + axis;
@@ -241,7 +238,7 @@ static void a_box_room_is_seen_without_parallax(void **state) {
     }
     assert_near(olx_madd(probe, towards, from_probe), olx_madd(p, d, from_point), 1e-4f);
   }
-  // Outside of the box, and where the box is a point: still a unit vector.
+  // Directions are unit vectors even from a point outside the box, and when the box is a point.
   const olx_vec3 d = {0.0f, 0.0f, 1.0f};
   assert_near(olx_classic_parallax(&box, probe, olx_v3(9.0f, 1.0f, -1.0f), d),
               olx_normalize(olx_sub(olx_v3(3.0f, 1.0f, 1.0f), probe)), 1e-6f);
@@ -249,7 +246,6 @@ static void a_box_room_is_seen_without_parallax(void **state) {
 }
 
 // --- Fields
-// -------------------------------------------------------------------------------------------------------------
 
 static olx_scene *load(const char *name) {
   olx_scene *scene = NULL;
@@ -260,7 +256,7 @@ static olx_scene *load(const char *name) {
 static olx_bake_settings small_bake(const olx_scene *scene) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.probe_light = true;
-  settings.irradiance_grid = settings.grid; // as the dissertation has it
+  settings.irradiance_grid = settings.grid; // as in the dissertation
   settings.radiance_size = 32;
   settings.irradiance_size = 32;
   settings.classic = true;
@@ -269,8 +265,8 @@ static olx_bake_settings small_bake(const olx_scene *scene) {
   return settings;
 }
 
-// Everything emits 1 and reflects one half: reflected light is 1 - 1/2^(bounces + 1) everywhere. Lamps are drawn at
-// random, so single texels are noisy and their mean is not.
+// With emission 1 and a reflectance of one half everywhere, reflected light is 1 - 1/2^(bounces + 1). Lamps are sampled
+// at random, so single texels are noisy, but their mean is not.
 static void a_furnace_is_even(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:furnace");
@@ -324,7 +320,7 @@ static void boxes_are_the_room(void **state) {
   olx_scene_free(scene);
 }
 
-// A mirror whose probe stands beside it sees the colour of the wall it faces: red and green in the Cornell box.
+// A mirror shows the colour of the wall that it faces when its probe is beside it: red and green in the Cornell box.
 static void mirrors_show_the_walls(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
@@ -354,7 +350,7 @@ static void bytes_do_not_depend_on_threads(void **state) {
   olx_scene_free(scene);
 }
 
-// What a bake without --classic writes has no trace of it, and is what it was.
+// A bake without --classic writes no classic maps, and a bake with them changes no other chunk.
 static void classic_maps_are_added_to_the_same_field(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");

@@ -1,4 +1,5 @@
-# Wang's experiments, small: what they find, and that nothing of them is left. Tables as text are full_cli_bench.sh.
+# Wang's experiments at a small size: their findings, and that no files are left behind. full_cli_bench.sh tests tables
+# as text.
 source "$(dirname "$0")/cli/expect.sh"
 octalux=$OCTALUX
 OCTALUX=$OCTALUX_BENCH
@@ -37,7 +38,7 @@ expect 0 wang --only cornell-glossy --scenes nowhere
 grep -q "wang: cornell-wang is left out: nowhere/cornell-wang.json" stderr.txt || fail "no word of the missing scene"
 TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" wang --quick
 
-# A stop on the way leaves nothing either.
+# A run that is stopped leaves no files behind either.
 "$OCTALUX" wang "${scenes[@]}" --only cornell-glossy --progress >stdout.txt 2>stderr.txt &
 await $! "wang: "
 kill -TERM $!

@@ -1,7 +1,7 @@
-# The baseline from the command line: bake --classic, what info tells, render --method classic.
+# The baseline from the command line: bake --classic, the report of info, render --method classic.
 source "$(dirname "$0")/cli/expect.sh"
 
-# The sizes of the dissertation: 149.25 kB a probe but for borders, the table and the box.
+# Maps have the dissertation's sizes: 149.25 kB a probe without borders, the table and the box.
 expect_json 'o["classic_seconds"] > 0' bake builtin:cornell -o classic.olx --grid 1x1x1 --radiance-size 8 --irradiance-size 8 \
   --bounces 1 --classic
 expect 0 verify classic.olx
@@ -19,13 +19,13 @@ for layer in direct albedo normal depth; do
 done
 expect_json 'all(l["mse"] > 0 for l in o["layers"].values())' compare classic.exr field.exr --layer indirect_diffuse
 
-# A field without the maps is as it always was, and says which option is missing.
+# A field baked without --classic has no classic maps, and commands that need them name the missing option.
 expect_json '"classic_seconds" not in o' bake builtin:cornell -o plain.olx --grid 1x1x1 --radiance-size 8 --irradiance-size 8 --bounces 1
 expect_json '"classic" not in o and o["bytes"]["classic"] == 0' info plain.olx
 expect_failure "plain.olx: .*bake --classic" render builtin:cornell --field plain.olx -o none.exr --size 8x8 --method classic
 [ -e none.exr ] && fail "a failed render leaves a file"
 
-# Bounces by rays.
+# --bounce-gather traced gathers bounces by rays.
 expect_json '0 <= o["unseen"] < 0.02' bake builtin:cornell -o traced.olx --radiance-size 8 --irradiance-size 32 --bounces 2 \
   --bounce-gather traced
 expect_usage "is not one of solved|irradiance|traced" bake builtin:cornell -o a.olx --bounce-gather magic

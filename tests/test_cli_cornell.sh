@@ -1,4 +1,5 @@
-# The Cornell box from end to end, tiny: what each command prints, and that its files are what the next one reads.
+# The Cornell box at a tiny size through every command: what each command prints, and that the next command reads its
+# files.
 source "$(dirname "$0")/cli/expect.sh"
 scene=builtin:cornell
 
@@ -60,7 +61,8 @@ expect_json 'all('"$share"' for r in [o["rays"]]) and o["rays"]["count"] == 2000
   and set("unresolved_seen wrong_seen distance_error_median distance_error_p99 steps_mean probes_mean".split())
   <= set(o["rays"]) and o["points"]["relative_mse"] >= 0 and "bias" in o["points"] and "leak" in o["points"]' \
   audit $scene --field a.olx --rays 2000 --points 20 --spp 16
-# Points with stored light and those without are all of them, and irradiance probes are judged at the same.
+# Points with stored light and points without add up to all points, and irradiance probes are compared at the same
+# points.
 expect_json 'all(set(o[k]) == {"count", "relative_mse", "bias", "leak"} for k in
     ("points", "stored_points", "fallen_back_points", "irradiance_points"))
   and o["stored_points"]["count"] + o["fallen_back_points"]["count"] == o["points"]["count"] == 40
@@ -74,7 +76,7 @@ expect 0 audit $scene --field a.olx --rays 500 --points 5 --spp 4 --seed 7 --tra
 OCTALUX=$OCTALUX_BENCH expect_json 'o["experiment"] == "speed" and o["ratio"] > 0 and abs(o["ratio"] - o["seconds"] / o["embree_seconds"]) < 1e-6' \
   speed $scene --grid 1x1x1 --radiance-size 32 --irradiance-size 8 --bounces 0
 
-# A cancelled bake says so, leaves 130, and touches neither the old field nor the folder.
+# A cancelled bake reports it, exits with 130, and touches neither the old field nor the folder.
 cp a.olx old.olx
 ls -A >before.txt
 "$OCTALUX" bake $scene -o old.olx --no-work --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 256 --irradiance-size 8 --bounces 0 \

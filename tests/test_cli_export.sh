@@ -1,5 +1,5 @@
-# octalux export as a user types it: maps are what the field stores, in every projection; the model is sound and stands
-# where probes do.
+# octalux export as a user types it: exported maps agree with the field in every projection, and the exported model is
+# valid and stands where the probes are.
 source "$(dirname "$0")/cli/expect.sh"
 read_export=$OCTALUX_SOURCE_DIR/tests/read_export.py
 check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_export.py $*"; }
@@ -8,7 +8,7 @@ check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_exp
   --select cage,bricks >stdout.txt 2>stderr.txt
 "$OCTALUX" bake builtin:cornell -o plain.olx --radiance-size 16 --noise 0.5 --grid 2x1x2 >stdout.txt 2>stderr.txt
 
-# Every map, as it is stored; names are the library's.
+# Every map is exported as it is stored, under the library's names.
 light="distance emitter normal base_color roughness metallic specular_weight direct indirect radiance"
 for map in $light irradiance mean_distance mean_square_distance classic_irradiance; do
   expect_json "o['map'] == '$map' and o['probe'] == 1 and o['width'] == o['height'] and o['projection'] == 'octahedral'" \
@@ -18,9 +18,9 @@ done
 for map in emission classic_radiance_0 classic_radiance_1 classic_radiance_2 classic_radiance_3 classic_radiance_4 volume_irradiance; do
   expect_json "o['map'] == '$map'" export exr all.olx --map $map -o other.exr
 done
-expect 0 compare radiance.exr radiance.exr # any tool that reads EXR reads them
+expect 0 compare radiance.exr radiance.exr # exported maps are valid EXR files
 
-# Projections, at the sizes they have and at others.
+# Other projections are exported at their default sizes and at another size.
 for projection in latlong cube; do
   expect 0 export exr all.olx --map direct --projection $projection -o a.exr
   check exr all.olx direct 0 $projection 0 a.exr
@@ -30,7 +30,7 @@ done
 expect 0 export exr all.olx --map normal --projection cube -o a.exr
 check exr all.olx normal 0 cube 0 a.exr
 
-# What cannot be is said.
+# Exports that are impossible are refused with a message.
 expect_failure "plain.olx: no map radiance: baked without probe light (bake --probe-light)" export exr plain.olx --map radiance -o b.exr
 expect_failure "no map classic_irradiance: baked without classic maps" export exr plain.olx --map classic_irradiance -o b.exr
 expect_failure "no probe 4: map distance is of 4 light field probes" export exr plain.olx --map distance --probe 4 -o b.exr
@@ -63,7 +63,8 @@ expect_usage "--field FILE.olx is missing" export web builtin:cornell -o b.web
 expect_usage "-o DIR is missing" export web builtin:cornell --field plain.olx
 ls b.* 2>/dev/null && fail "a refused export left a file"
 
-# Models: of a field with all there is, of one without irradiance probes, of a scene far away.
+# Models are exported from a field with every kind of data, from one without irradiance probes, and from a scene far
+# away.
 printf '{"model": "far.obj", "cameras": [{"name": "a", "eye": [5000001, 1, 1], "target": [5000001, 0, 0]}]}' >far.json
 python3 - <<'PYTHON'
 x = 5e6
@@ -81,7 +82,7 @@ grep -q '"translation":\[[0-9]*[1-9]' far.gltf || fail "a model of a scene far a
 expect 0 export gltf all.olx -o all.gltf
 grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole and .* divided$" stdout.txt || fail "export says what it wrote"
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
-expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # an importer of ours reads it, octahedra and all
+expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # our own importer reads the model, including its octahedra
 
 # Irradiance volumes: the sizes that are asked for, the transform in scene coordinates, the same bytes by every way.
 expect_json "o['size'] == [32, 32, 32] and o['written_error'] <= 0.5 * o['captured_error']" export ktx2 all.olx -o all.ktx2

@@ -33,15 +33,14 @@ expect_failure "no/d.png: cannot write" compare text.exr text.exr --heatmap no/d
 expect_failure "nosuchcamera" render builtin:cornell -o a.exr --method path --size 8x8 --spp 1 --camera nosuchcamera
 expect_files text.olx text.exr text.json text.gltf empty.olx empty.exr folder.olx folder.exr
 
-# Output that nobody can take is a failure too.
+# An output that cannot be written, because its device is full, is a failure too.
 if [ -w /dev/full ]; then
   code=0
   "$OCTALUX" scene builtin:cornell >/dev/full 2>stderr.txt || code=$?
   [ "$code" = 1 ] || fail "a full standard output: exit code $code, not 1"
 fi
 
-# A model reads nothing beyond its parent folder unless it is allowed to, and stays within limits unless they are
-# raised.
+# A model reads no files outside its parent folder, and stays within limits, unless options allow more.
 mkdir -p scenes/models
 printf 'newmtl square\nKd 1 0 0\n' >outside.mtl
 printf 'mtllib ../../outside.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl square\nf 1 2 4 3\n' >scenes/models/square.obj
@@ -56,7 +55,7 @@ code=0
 "$OCTALUX" scene builtin:cornell --import-limits corners=3 >/dev/null 2>stderr.txt || code=$?
 [ "$code" = 2 ] || fail "--import-limits corners=3: exit code $code, not 2"
 
-# A bake says beforehand what it takes, and one that cannot be is refused before it begins.
+# A dry run reports a bake's needs, and a bake that does not fit is refused before it begins.
 small="builtin:cornell -o a.olx --radiance-size 16 --irradiance-size 8 --samples 1"
 expect_json 'o["probes"] == 8 and o["fits"] and o["estimated_seconds"] > 0 and 0 < o["device_bytes"] < o["file_bytes"]' bake $small --dry-run
 planned=$(python3 -c 'import json; print(json.load(open("stdout.txt"))["file_bytes"])')
@@ -75,7 +74,7 @@ expect_failure "1000000 light field and 1000000 irradiance probes make a file of
 expect 1 bake builtin:cornell --grid 100x100x100 --radiance-size 2048 --samples 1 -o a.olx --dry-run
 grep -q "make a file of" stderr.txt && grep -q "1000000 of light" stdout.txt || fail "--dry-run of an impossible bake"
 
-# What files say reaches no terminal unescaped: the name of a camera, and JSON.
+# Text from files reaches no terminal unescaped: a camera's name, and JSON.
 printf '{"model": "builtin:cornell", "cameras": [{"name": "\\u001b[2J\\u009b1m", "eye": [0,1,3], "target": [0,1,0]}], "\\u001bkey": 1}' >evil.json
 for arguments in "scene evil.json" "scene evil.json --json" "render evil.json --method path --camera none -o a.exr"; do
   "$OCTALUX" $arguments >stdout.txt 2>stderr.txt

@@ -1,4 +1,4 @@
-# Irradiance as spherical harmonics from the command line: bake --irradiance, what info tells, render and audit.
+# Irradiance as spherical harmonics from the command line: bake --irradiance, the report of info, render and audit.
 source "$(dirname "$0")/cli/expect.sh"
 small=(--grid 2x2x2 --radiance-size 8 --irradiance-size 16 --bounces 1)
 
@@ -18,7 +18,7 @@ cmp -s plain.olx octahedral.olx || fail "maps are not the default"
 expect 0 bake builtin:cornell -o one.olx "${small[@]}" --irradiance sh3 --threads 1
 cmp -s one.olx sh3.olx || fail "the bytes depend on the threads"
 
-# The harmonics differ from the maps, those of more bands less; nothing else changes.
+# Pictures with harmonics differ from those with maps, with more bands by less; no other layer changes.
 for form in sh2 sh3; do
   for layer in direct indirect_glossy albedo; do
     expect_json 'all(l["max"] == 0 for l in o["layers"].values())' compare $form.exr octahedral.exr --layer $layer
@@ -33,7 +33,7 @@ error = lambda form: json.load(open(form + ".json"))["layers"]["indirect_diffuse
 sys.exit(not error("sh3") < error("sh2"))
 PYTHON
 
-# The fit to surfaces is the harmonics' own: it takes most of the error at them away, as it does from maps.
+# Harmonics have a fit to surfaces of their own, which removes most of their error there, as the fit of maps does.
 expect 0 bake builtin:cornell -o unfitted.olx "${small[@]}" --irradiance sh2 --no-fit
 for field in unfitted sh2; do
   expect_json 'o["points"]["count"] == 200' audit builtin:cornell --field $field.olx --rays 2 --points 200

@@ -1,12 +1,12 @@
-# Outputs of the command line: devices and pipes are written and stay, standard output is "-", no output destroys an
-# input, and what is replaced keeps its owner, its rights and the links to it.
+# Outputs of the command line: devices and pipes are written to and not replaced, "-" is standard output, no output
+# destroys an input, and a replaced file keeps its owner, its rights and the links to it.
 source "$(dirname "$0")/cli/expect.sh"
 
 place=(place builtin:cornell --method grid --grid 2x2x2 --voxels 16)
 bake=(bake builtin:cornell --grid 2x2x2 --radiance-size 8 --irradiance-size 8 --bounces 0)
 render=(render builtin:cornell --method path --size 8x8 --spp 1)
 
-# Nodes of our own, which root may make; a pipe anyone may.
+# Device nodes of this test's own, which only root may make; any user may make a pipe.
 if mknod null c 1 3 2>/dev/null && : >null; then
   expect 0 "${place[@]}" -o null
   [ -c null ] || fail "place replaced a device"
@@ -34,7 +34,7 @@ cmp -s piped.png plain.png || fail "a picture through a pipe is another one"
 expect_failure "it is a pipe" "${bake[@]}" -o pipe.png
 rm -f pipe.png piped.png
 
-# Standard output.
+# "-" writes to standard output.
 expect 0 "${place[@]}" -o plain.json
 expect 0 "${place[@]}" -o -
 python3 -c 'import json; json.load(open("stdout.txt"))' || fail "place -o - is no JSON"
@@ -50,7 +50,7 @@ expect_usage "exclude each other: both are standard output" "${place[@]}" -o - -
 expect_failure "another output goes there" "${place[@]}" -o - --picture -
 expect_files plain.json plain.png plain.olxs
 
-# Inputs, also by other names for them.
+# No output may replace an input, even by another name for it.
 mkdir model
 cat >model/square.obj <<'OBJ'
 mtllib square.mtl
@@ -104,7 +104,7 @@ rm page.html
 find . -type f ! -name '*.txt' -exec sha256sum {} + | sort | diff sums.txt - || fail "an input changed"
 rm -f sums.txt
 
-# What is replaced.
+# A replaced file keeps its links and rights.
 echo old >private.json
 chmod 640 private.json
 ln -s private.json alias.json

@@ -1,12 +1,12 @@
-# octalux pack and unpack as a user types them: names that follow, the same bytes again, damage, limits, what other
-# commands say.
+# octalux pack and unpack as a user types them: default names, identical bytes after both, damage, limits, and messages
+# of other commands.
 source "$(dirname "$0")/cli/expect.sh"
 
 "$OCTALUX" bake builtin:cornell -o a.olx --radiance-size 128 --irradiance-size 16 --probe-light --select cage,voronoi,bricks \
   >stdout.txt 2>stderr.txt
 cp a.olx original.olx
 
-# There and back, by the names that follow.
+# Packing and unpacking with default names restores the same bytes.
 expect 0 pack a.olx
 grep -q "^a.olxz: a field of .*, packed .* (.* %)$" stdout.txt || fail "pack says what it did"
 rm a.olx
@@ -16,19 +16,19 @@ cmp a.olx original.olx || fail "unpack made another field"
 expect_files a.olx a.olxz original.olx
 [ $((10 * $(stat -c %s a.olxz))) -lt $((6 * $(stat -c %s a.olx))) ] || fail "a packed field of $(stat -c %s a.olxz) bytes"
 
-# By other names, at other levels, with other threads.
+# Explicit names, other levels and numbers of threads are accepted.
 expect_json 'o["output"] == "b.olxz" and o["packed_bytes"] < o["field_bytes"] == '"$(stat -c %s a.olx)" pack a.olx -o b.olxz --threads 3
 cmp a.olxz b.olxz || fail "the bytes depend on threads"
 expect 0 pack a.olx -o fast.olxz --level 1
 [ "$(stat -c %s fast.olxz)" -gt "$(stat -c %s a.olxz)" ] || fail "level 1 packs as small as level 19"
-expect 0 pack a.olx -o b.olxz # replaces
+expect 0 pack a.olx -o b.olxz # replaces an existing file
 expect_json 'o["output"] == "b.olx" and o["field_bytes"] == '"$(stat -c %s a.olx)" unpack fast.olxz -o b.olx
 cmp b.olx original.olx || fail "level 1 lost something"
 cp a.olx plain
 expect 0 pack plain -o plain.olxz
 rm -f plain plain.olxz fast.olxz b.olx b.olxz
 
-# What a packed field is to other commands.
+# Other commands recognise a packed field: info and verify describe it, others say how to unpack it.
 expect 0 info a.olxz
 grep -q '^a.olxz: a packed field, .*; `octalux unpack a.olxz` makes the field of ' stdout.txt || fail "info says what it is"
 grep -q "^  RADI " stdout.txt || fail "info lists chunks"
@@ -40,7 +40,7 @@ expect_failure "$unpack_it" audit builtin:cornell --field a.olxz
 expect_failure "$unpack_it" pack a.olxz -o b.olxz
 expect_failure "a.olx: a field that is not packed" unpack a.olx -o b.olx
 
-# Wrong usage, and outputs that cannot be.
+# Wrong usage and impossible outputs are refused.
 expect_usage "FIELD is missing" pack
 expect_usage "PACKED is missing" unpack
 expect_usage "'b.zip' does not end in .olxz" pack a.olx -o b.zip
@@ -58,7 +58,7 @@ rm same.olxz
 expect_failure "more than the limit of 1000000" unpack a.olxz -o b.olx --most 1
 expect_files a.olx a.olxz original.olx
 
-# Damage: nothing is written, the file is named, and what was there stays.
+# A damaged file is named in the error, nothing is written, and existing files stay.
 size=$(stat -c %s a.olxz)
 printf 'old' >b.olx
 for keep in 0 7 63 64 500 $((size / 2)) $((size - 1)); do

@@ -1,9 +1,10 @@
-# `octalux place --picture`: a picture is written, shows what it should, and what cannot be is said.
+# `octalux place --picture`: a picture is written and shows the coverage, and impossible requests are refused with a
+# message.
 source "$(dirname "$0")/cli/expect.sh"
 scene=builtin:temple
 quick="--method sdf --voxels 60 --surfels 2000 --size 160x90"
 
-# Counts the pixels of a PNG of 8-bit RGB for which a Python expression of r, g and b is true.
+# pixels FILE EXPRESSION: counts the pixels of a PNG of 8-bit RGB for which a Python expression of r, g and b is true.
 pixels() {
   python3 - "$1" "$2" <<'PYTHON'
 import struct, sys, zlib
@@ -33,15 +34,15 @@ expect 0 place $scene -o probes.json $quick --count 6 --picture view.png
 [ "$(pixels view.png 'g > 180 and b > 180 and r < 120')" -gt 20 ] || fail "no probe of the skeleton is in the picture"
 [ "$(pixels view.png 'r > 150 and g > 150 and b < 170')" -gt 20 ] || fail "no skeleton is in the picture"
 [ "$(pixels view.png 'abs(r - g) < 25 and abs(g - b) < 25 and 20 < r < 130')" -gt 5000 ] || fail "no surfaces are in the picture"
-# One probe misses much: red.
+# One probe misses many surfaces, which are drawn in red.
 expect 0 place $scene -o one.json $quick --count 1 --picture missed.png --camera gallery
 [ "$(pixels missed.png 'r > 180 and g < 90 and b < 90')" -gt 50 ] || fail "nothing that is missed is in the picture"
-# Drawing changes nothing that is placed, and the picture does not depend on the number of threads.
+# Drawing a picture does not change the probes, and the picture does not depend on the number of threads.
 expect 0 place $scene -o plain.json --method sdf --voxels 60 --surfels 2000 --count 6
 cmp probes.json plain.json || fail "a picture changes the probes"
 expect 0 place $scene -o probes.json $quick --count 6 --picture again.png --threads 1
 cmp view.png again.png || fail "the picture depends on the number of threads"
-# Every method, and a scene without cameras, from above.
+# Every method can be drawn, and so can a scene without cameras, which is seen from above.
 printf 'v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 1 0\nv 2 1 0\nv 2 1 2\nv 0 1 2\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n' >box.obj
 for method in grid sdf medial cover; do
   expect 0 place box.obj -o box.json --method $method --voxels 40 --surfels 1000 --count 2 --picture box-$method.png --size 120x90

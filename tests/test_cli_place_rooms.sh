@@ -1,5 +1,5 @@
-# `octalux place` in a building of 4 x 4 rooms with doors of one metre, of which one is sealed: all others are covered,
-# by a check that shares nothing with placement, and the sealed one is told apart.
+# `octalux place` in a building of 4 x 4 rooms with doors of one metre, one of them sealed: a check that shares no code
+# with placement finds all other rooms covered, and the report names the sealed one.
 source "$(dirname "$0")/cli/expect.sh"
 source "$(dirname "$0")/cli/holds.sh"
 mkdir -p rooms
@@ -8,10 +8,11 @@ expect 0 place rooms/rooms.json -o probes.json
 grep -q '^  unreached  .* m2  of surface.*no opening of 0.5 m' stdout.txt || fail "what is not reached is not told"
 "$OCTALUX_BENCH" placement-check --ball 0.25 rooms/rooms.json 20000 probes.json |
   holds 'covered >= 0.995 and reached == 1 and outside == 0' || fail "rooms are not covered"
-# One room of sixteen: its floor, ceiling and walls, and both sides of what stands in it.
+# The unreached area is that of one room of sixteen: its floor, ceiling and walls, and both sides of the furniture in
+# it.
 python3 -c 'import json; report = json.load(open("probes.json"))["report"]; print(json.dumps(report))' |
   holds '250 < unreached_m2 < 350 and coverage >= 0.997' || fail "the report does not fit the sealed room"
-# A room of another unit is as large to its voxels as in metres: a hundred times the size is one tile, too.
+# Voxels follow the scene's unit: a scene a hundred times as large is one tile, too.
 echo '{"model": "builtin:pillars", "scale": 100}' >centimetres.json
 expect 0 place centimetres.json -o large.json
 python3 -c 'import json; report = json.load(open("large.json"))["report"]; print(json.dumps(report))' |

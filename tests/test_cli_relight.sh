@@ -1,7 +1,7 @@
-# render --relight: a field follows the lights of a changed scene, on the CPU and on a Vulkan device (a CPU one will
+# render --relight: a field follows the lights of a changed scene, on the CPU and on a Vulkan device (a CPU device will
 # do).
 source "$(dirname "$0")/cli/expect.sh"
-export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # as in test_cli_vulkan.sh
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # leaks of drivers cannot be named, as in test_cli_vulkan.sh
 
 lamp() {
   printf '{"model": "builtin:cornell", "lights": [{"type": "point", "position": %s, "intensity": [0.4, 0.3, 0.5]}]}' "$1" >"$2"
@@ -21,7 +21,7 @@ expect_json 'o["relight"]["awake"] == 0 and 4 < o["relight"]["frames"] < 200 and
 grep -q "another scene" stderr.txt && fail "a field that was relit is called stale"
 expect_json 'o["relight"]["frames"] == 1' render after.json --field before.olx -o once.exr "${picture[@]}" --relight 1
 
-# apart A B CONDITION: what is true of the relative mean squared error of their indirect light.
+# apart A B CONDITION: checks the condition on the relative mean squared error between their indirect diffuse light.
 apart() {
   expect_json "all(l['relative_mse'] $3 for l in o['layers'].values())" compare "$1" "$2" --layer indirect_diffuse
 }

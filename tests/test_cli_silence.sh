@@ -1,4 +1,5 @@
-# What gives unlike or black pictures is said: a scene without light, and pictures with other numbers of bounces.
+# Commands warn of results that are black or cannot be compared: a scene without light, and pictures with different
+# numbers of bounces.
 source "$(dirname "$0")/cli/expect.sh"
 
 echo '{"model": "square.obj", "cameras": [{"eye": [0, 0, 3], "target": [0, 0, 0]}]}' >dark.json
@@ -17,7 +18,7 @@ expect 0 render builtin:cornell --method path --bounces 2 -o two.exr --size 16x1
 expect 0 render builtin:cornell --method path -o all.exr --size 16x16 --spp 1
 expect 0 render builtin:cornell --method path --field a.olx --bounces 0 -o none.exr --size 16x16 --spp 1
 
-# The field's one bounce, and that at the surface which is seen.
+# The path tracer takes two bounces: the field's one, and the one at the visible surface.
 cmp -s like.exr two.exr || fail "--method path --field does not take the field's bounces"
 cmp -s like.exr none.exr && fail "--bounces does not win over --field"
 expect 0 compare field.exr like.exr

@@ -1,5 +1,5 @@
 # Every command stops within a second of a signal, says that it was interrupted, exits with 128 + the signal's number,
-# and leaves nothing behind: at several moments of each, on built-in scenes.
+# and leaves nothing behind; signals are sent at several moments of each command, on built-in scenes.
 set -euo pipefail
 cd "$(dirname "$0")"
 stop=$PWD/stop.py
@@ -7,7 +7,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/run"
 
-# stopped SIGNAL SECONDS ARGUMENTS...
+# stopped SIGNAL SECONDS ARGUMENTS...: runs octalux and checks that it stops when the signal comes after so many
+# seconds.
 stopped() {
   python3 "$stop" "$work/run" "$1" "$2" "$OCTALUX" "${@:3}"
 }
@@ -46,6 +47,6 @@ OCTALUX=$OCTALUX_BENCH stopped TERM 0.5 mcguire-table1 --threads 2
 OCTALUX=$OCTALUX_BENCH stopped INT 1 all --quick --threads 2
 OCTALUX=$OCTALUX_BENCH stopped INT 1 speed builtin:temple --threads 2
 
-# What waits is stopped, too: a pipe that nobody reads.
+# A command that waits for a reader of a pipe is stopped, too.
 mkfifo "$work/run/pipe.json"
 stopped TERM 0.5 place builtin:cornell -o pipe.json --method grid --voxels 16

@@ -1,4 +1,5 @@
-# Wrong usage: exit code 2, one line that says what is wrong, nothing on standard output; and the golden help.
+# Wrong usage gives exit code 2, one line that says what is wrong, and nothing on standard output; help texts are
+# compared with stored ones.
 source "$(dirname "$0")/cli/expect.sh"
 
 expect 2
@@ -74,7 +75,7 @@ expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.png --png b.png
 expect_usage "goes with -o FILE.exr" render builtin:cornell -o a.exr --png b.jpg
 expect_files
 
-# Options of research are shown when all are asked for; `help` before a command is --help behind it.
+# Options for research are shown by --help all only; `help COMMAND` shows the same as `COMMAND --help`.
 expect 0 bake --help
 grep -q -- "--noise" stdout.txt || fail "--help lacks what decides about quality"
 grep -q -- "--classic" stdout.txt && fail "--help shows what is for research"
@@ -101,7 +102,7 @@ for command in scene place bake render compare audit info verify pack unpack "ex
   done <words.txt
 done
 
-# --quiet drops warnings, and nothing else.
+# --quiet suppresses warnings, and nothing else.
 cat >plain.obj <<'OBJ'
 v 0 0 0
 v 1 0 0

@@ -1,14 +1,14 @@
-# Pictures whose indirect light comes from a Vulkan device (a CPU one will do) against the same from the CPU, layer by
-# layer; what cannot work. More of both is in full_cli_vulkan.sh.
+# Compares pictures whose indirect light comes from a Vulkan device (a CPU device will do) with those of the CPU, layer
+# by layer, and tests what cannot work. full_cli_vulkan.sh does more of both.
 source "$(dirname "$0")/cli/devices.sh"
 
-# Diffuse light comes from what is stored at surfaces, and where all probes are ranked from the same texels but for
-# rounding.
+# Diffuse light is read from stored texels of surfaces; where all probes are ranked, device and CPU read the same texels
+# except for rounding.
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --glossy-samples 4 --select cage --tracer two-level --dim-lobe 0.06
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --select exhaustive
 compare_devices builtin:cornell-glossy cornell.olx --spp 1 --diffuse irradiance --hits stored
-# Without probe light default pictures are lit as ever, and what needs it is refused.
-# A step of 255 in base colour is half a per cent of a hit's light.
+# Without probe light default pictures are lit as before, and options that need it are refused. A step of 1/255 in base
+# colour is half a per cent of a hit's light.
 "$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 128 --bounces 1 --noise 0.3 2>stderr.txt
 most_error=1e-4
 compare_devices builtin:cornell-glossy plain.olx --spp 1
@@ -16,18 +16,18 @@ most_error=1e-5
 for options in "--hits stored" "--diffuse irradiance"; do
   expect_failure "bake --probe-light" render builtin:cornell-glossy --field plain.olx -o none.exr --size 8x8 --device vulkan $options
 done
-# Spherical harmonics run on the CPU alone, too.
+# Spherical harmonics work on the CPU alone, too.
 "$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --volume-cells 0 --irradiance sh2 2>stderr.txt
 expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \
   --field harmonics.olx -o none.exr --size 8x8 --device vulkan
 expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --select voronoi --device vulkan
-# Two of the three modes, with the same random numbers. Histories of half floats, and kernels that follow from them,
-# leave a little more than half floats alone do.
+# Two of the three modes are compared, with the same random numbers. Histories of half floats, and kernels that depend
+# on them, lead to slightly larger errors than half floats alone.
 compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced
 "$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --uncompressed 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 5 --camera dark --from-camera lit --cut 2
 
-# The baseline.
+# The baseline works on the device, too.
 "$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 16 --bounces 1 --classic \
   --classic-size 64 --cube-size 64 2>stderr.txt
 compare_devices builtin:cornell-glossy classic.olx --spp 1 --method classic

@@ -1,11 +1,11 @@
-# What `bake` and `join` say and do where work folders are damaged, full, in use, or another's: one message, an exit
-# code, and the old field as it was.
+# `bake` and `join` with work folders that are damaged, full, in use, or of another bake: one message, the right exit
+# code, and the old field unchanged.
 . "$OCTALUX_SOURCE_DIR/tests/cli/expect.sh"
 : "${OCTALUX_FULL_DISK:?the library that stands for a full disk}"
 scene=(builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
 printf 'the old field' >old.olx
 
-# complains CODE PATTERN ARGUMENTS...: that exit code, one line that matches, and the old field stays.
+# complains CODE PATTERN ARGUMENTS...: checks for that exit code, one line that matches, and an unchanged old field.
 complains() {
   local code=$1 pattern=$2
   shift 2
@@ -18,13 +18,13 @@ complains() {
 expect 0 bake "${scene[@]}" -o whole.olx --no-work
 [ "$(ls -A | grep -c work)" = 0 ] || fail "a short bake made a work folder"
 
-# What a folder takes at most is said beforehand, and reckoning makes none.
+# A dry run reports the largest size of the work folder, and makes none.
 expect 0 bake "${scene[@]}" -o old.olx --dry-run --work w --json
 python3 -c 'import json; work = json.load(open("stdout.txt"))["work_bytes"]; assert 2 ** 31 < work < 2 ** 31 + 10 ** 6, work' ||
   fail "not the size of a work folder"
 [ -e w ] && fail "reckoning made a folder"
 
-# Wrong usage.
+# Wrong usage is refused.
 expect_usage "-o FILE.olx is missing" bake "${scene[@]}"
 expect_usage "--part needs --work DIR" bake "${scene[@]}" --part 1/2
 for part in 0/2 3/2 1 1/0 /2 1/2x -1/2; do
@@ -35,7 +35,7 @@ expect_usage "--no-work excludes" bake "${scene[@]}" -o old.olx --no-work --keep
 expect_usage "--progress: 'yaml' is not json" bake "${scene[@]}" -o old.olx --progress=yaml
 [ -e w ] && fail "wrong usage made a folder"
 
-# Parts that have to wait for others say so, and so does joining.
+# Parts that have to wait for others say so, and so does `join`.
 complains 75 "units of the stage 'light' are not there yet" bake "${scene[@]}" --work parts --part 2/2
 complains 75 "units of the stage .* are not there yet" join parts -o old.olx
 for round in $(seq 9); do
@@ -44,7 +44,7 @@ done
 expect 0 bake "${scene[@]}" --work parts --part 1/2 --json
 grep -q '"part":1,"parts":2,"units_made":0' stdout.txt || fail "a part that is done does not say so"
 
-# Every file of the folder damaged in turn: joining names it; a bake makes it again, but for the manifest.
+# When a file of the folder is damaged, `join` names it; a bake makes the file again, unless it is the manifest.
 cp -r parts whole
 for file in whole/*; do
   name=$(basename "$file")
@@ -56,7 +56,7 @@ for file in whole/*; do
   *) expect 0 bake "${scene[@]}" -o again.olx --work damaged --keep-work
      cmp -s again.olx whole.olx || fail "$name: another field after damage" ;;
   esac
-  case $name in # what joining reads
+  case $name in # the files that `join` reads
   manifest* | plan* | facts* | volume* | probe*)
     rm -rf damaged
     cp -rp whole damaged
@@ -70,7 +70,7 @@ expect 0 join parts -o joined.olx
 cmp -s joined.olx whole.olx || fail "parts made another field"
 [ -e parts ] && fail "joining left the folder"
 
-# Other bakes, other machines, folders that are none.
+# Folders of other bakes or other machines, and folders that are no work folders, are refused.
 expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
 complains 1 "another bake: its settings is" bake "${scene[@]}" --seed 1 -o old.olx --work kept
 complains 1 "another bake: its scene is" bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
@@ -86,7 +86,7 @@ expect 0 bake "${scene[@]}" --seed 1 -o other.olx --work kept --fresh
 [ -e kept ] && fail "the folder stayed"
 cmp -s other.olx whole.olx && fail "--seed changed nothing"
 
-# Two bakes into one output, by one folder: the second is refused while the first works.
+# Of two bakes that use one folder, the second is refused while the first works.
 expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
 exec 9<kept
 flock -n 9 || fail "cannot lock"
@@ -94,7 +94,7 @@ complains 1 "kept: another bake works in this folder" bake "${scene[@]}" -o old.
 complains 1 "kept: another bake works in this folder" join kept -o old.olx
 exec 9<&-
 
-# interrupted FOLDER ARGUMENTS...: a bake that is interrupted when it has begun to keep results.
+# interrupted FOLDER ARGUMENTS...: interrupts a bake once it has begun to keep results.
 interrupted() {
   local kept=$1 code=0
   shift
@@ -109,7 +109,7 @@ interrupted() {
   [ -e "$kept/plan-0-0.unit" ] || fail "nothing is kept"
 }
 
-# Long bakes have a folder beside their output without being asked, and short ones go on from it; it is another's for
+# Long bakes have a work folder beside their output by default. Short bakes resume from it, or refuse it when it is of
 # other settings.
 long=(builtin:cornell --grid 4x4x4 --radiance-size 512 --noise 0.3)
 interrupted old.olx.work "${long[@]}" -o old.olx
@@ -119,7 +119,7 @@ expect 0 bake "${scene[@]}" -o new.olx --work old.olx.work --fresh
 [ -e old.olx.work ] && fail "the folder stayed"
 cmp -s new.olx whole.olx || fail "another field after another bake"
 
-# A full disk, at ever later moments: an error, wherever it is noticed, and the next bake goes on.
+# A disk that becomes full at ever later moments causes an error, wherever it is noticed, and the next bake resumes.
 full=0
 for bytes in 100 1000 10000 100000 200000 300000 400000 500000; do
   code=0
@@ -135,7 +135,7 @@ expect 0 bake "${scene[@]}" -o old.olx --work full
 cmp -s old.olx whole.olx || fail "another field after full disks"
 [ -e full ] && fail "the folder stayed"
 
-# A bound on the folder: a whole bake goes on without, a part does not.
+# When the work folder reaches its limit, a whole bake continues without it, while a part fails.
 expect 0 bake "${scene[@]}" -o limited.olx --work limited --work-limit 0.0001
 grep -q "limited: holds the 107374 bytes that it may" stderr.txt || fail "no word of the bound"
 cmp -s limited.olx whole.olx || fail "another field with a bound"

@@ -1,4 +1,5 @@
-// Tests that cooked scenes come back to the last bit, and that what is not a cooked scene is refused with a message.
+// Tests that cooked scenes come back to the last bit, and that files that are no cooked scenes are refused with a
+// message.
 #include "cooked_scenes.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -43,7 +44,7 @@ static void assert_same_bytes(const void *a, const void *b, size_t size_bytes) {
 }
 
 static void assert_same_scene(const olx_scene *a, const olx_scene *b) {
-  assert_true(a->hash == b->hash); // geometry, materials, textures, lights and environment
+  assert_true(a->hash == b->hash); // covers geometry, materials, textures, lights and environment
   assert_int_equal(a->camera_count, b->camera_count);
   for (uint32_t i = 0; i < a->camera_count; i++) {
     assert_string_equal(a->cameras[i].name, b->cameras[i].name);
@@ -69,7 +70,7 @@ static void assert_same_scene(const olx_scene *a, const olx_scene *b) {
   for (uint32_t i = 0; i < a->warning_count; i++) assert_string_equal(a->warnings[i], b->warnings[i]);
 }
 
-// Cook, load, compare, and cook what was loaded.
+// Cooks a scene, loads and compares it, and cooks the loaded scene again.
 static void check_round_trip(const fixture *f, const char *name) {
   olx_scene *scene, *loaded;
   uint64_t file_bytes = 0;
@@ -99,14 +100,14 @@ static void test_a_scene_with_everything_comes_back(void **state) {
   const char *path = cooked_scenes_everything(&f->folder);
   olx_scene *scene;
   ASSERT_OK(olx_scene_load(path, &scene));
-  // The scene is worth its name.
+  // The scene has every feature that the test relies on.
   assert_true(scene->texture_count >= 2 && scene->light_count == 3 && scene->camera_count == 2);
   assert_true(scene->environment.texels && scene->warning_count > 0 && scene->probe_rules.pinned_count == 2);
   olx_scene_free(scene);
   check_round_trip(f, path);
 }
 
-// The content alone, and the content of the scene itself, are the scene's.
+// Content that is read alone, and the content of the loaded scene, agree with the original scene.
 static void test_content_is_read_without_a_ray_caster(void **state) {
   const fixture *f = *state;
   olx_scene *scene;
@@ -198,7 +199,7 @@ static void draw_pattern(const olx_texture *t, int pattern, uint32_t channels) {
     const uint32_t x = i % t->width, y = i / t->width;
     uint8_t *rgba = t->texels + 4 * i;
     for (uint32_t c = 0; c < 4; c++) {
-      const uint32_t of = channels == 1 && c < 3 ? 0 : c; // grey: the same in all three
+      const uint32_t of = channels == 1 && c < 3 ? 0 : c; // the three channels of grey are the same
       const uint32_t values[PATTERN_COUNT] = {77, (x + y) / 2 + 40 * of, olx_hash3(x, y, of),
                                               ((x / 3 + y / 2 + of) & 1) * 255};
       rgba[c] = (uint8_t)(c == 3 && channels < 4 ? 255 : values[pattern]);
@@ -219,7 +220,7 @@ static void test_texels_come_back_whatever_they_are(void **state) {
         assert_true(olx_texel_encode(&t, channels, &code));
         assert_true(olx_texel_decode(code.data, code.size_bytes, channels, &back));
         assert_memory_equal(t.texels, back.texels, (size_t)t.width * t.height * 4);
-        // Not one byte more or fewer.
+        // Code that is one byte shorter or longer is refused.
         assert_false(olx_texel_decode(code.data, code.size_bytes - 1, channels, &back));
         uint8_t *longer = calloc(code.size_bytes + 1, 1);
         memcpy(longer, code.data, code.size_bytes);
@@ -309,7 +310,7 @@ static void test_a_flipped_bit_anywhere_is_found(void **state) {
   cooked_bytes_free(&file);
 }
 
-// Change one number of a chunk, with all checksums right, and see it refused.
+// Changes one number of a chunk, with all checksums right, and checks that the file is refused.
 #define EXPECT_REFUSED(chunk, type, member, value, message)                                                            \
   do {                                                                                                                 \
     type *record_ = (void *)cooked_bytes_chunk(file, (chunk)).bytes;                                                   \
@@ -361,7 +362,7 @@ static void test_numbers_that_cannot_be_are_refused_by_name(void **state) {
   EXPECT_REFUSED(OLX_COOKED_ENVIRONMENT, olx_vec3, x, -1.0f, "environment texel 0");
   EXPECT_REFUSED(OLX_COOKED_PINNED, olx_vec3, x, NAN, "pinned probe 0");
   EXPECT_REFUSED(OLX_COOKED_FORBIDDEN, olx_vec3, x, 5.0f, "forbidden box 0");
-  olx_scene *scene; // and untouched it loads
+  olx_scene *scene; // the file loads once it is unchanged again
   ASSERT_OK(olx_scene_load(scene_folder_write(&f->folder, "good.olxs", file.bytes, file.size_bytes), &scene));
   olx_scene_free(scene);
   cooked_bytes_free(&file);

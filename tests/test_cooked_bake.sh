@@ -8,7 +8,7 @@ expect_json "o['cooked_bytes'] > 0 and o['triangles'] > 10" scene builtin:cornel
 expect_usage "does not end in .olxs" scene builtin:cornell --cook scene.olx
 expect_failure "no/scene.olxs: cannot write" scene builtin:cornell --cook no/scene.olxs
 
-# What the two say about the scene differs in its name alone.
+# The reports of `scene` for both differ only in the scene's name.
 "$OCTALUX" scene builtin:cornell-glossy --json >source.json
 "$OCTALUX" scene scene.olxs --json >cooked.json
 cmp -s source.json cooked.json || fail "the cooked scene is told differently"
@@ -19,7 +19,7 @@ cmp -s source.olx cooked.olx || fail "the cooked scene bakes differently"
 "$bake_cooked" scene.olxs alone.olx 32 8 || fail "bake_cooked"
 cmp -s source.olx alone.olx || fail "a program of its own bakes differently"
 
-# The pictures are the same, too.
+# Both scenes render to the same picture.
 expect 0 render builtin:cornell-glossy --method path --spp 2 --size 32x24 -o source.exr
 expect 0 render scene.olxs --method path --spp 2 --size 32x24 -o cooked.exr
 cmp -s source.exr cooked.exr || fail "the cooked scene renders differently"

@@ -23,7 +23,7 @@
 
 typedef struct folder {
   char path[256];
-  char file[300]; // a name in it
+  char file[300]; // the path of a file in the folder
 } folder;
 
 static int folder_create(void **state) {
@@ -136,7 +136,7 @@ static void messages_are_kept_per_thread(void **state) {
 // ---- hooks
 
 typedef struct host {
-  uint64_t allocated, released, failing_after; // failing_after: allocations that still succeed
+  uint64_t allocated, released, failing_after; // failing_after is the number of allocations that still succeed
   char message[2048];
   olx_log_level level;
   uint32_t loops, wanted_threads;
@@ -162,7 +162,7 @@ static void host_log(void *user, olx_log_level level, const char *message) {
   snprintf(h->message, sizeof h->message, "%s", message);
 }
 
-// A job system that runs everything backwards.
+// A host's parallel loop that runs all jobs backwards.
 static void host_parallel_for(void *user, uint32_t count, uint32_t threads, void (*job)(void *, uint32_t),
                               void *job_user) {
   host *h = user;
@@ -295,7 +295,7 @@ static void the_host_runs_the_loop_when_it_wants_to(void **state) {
 
 typedef struct record {
   float shares[4096];
-  uint32_t reports, cancel_at; // cancel_at: the report that says stop; 0: none
+  uint32_t reports, cancel_at; // cancel_at is the report that cancels, or 0 for none
   char last_stage[32];
   long sleep_ns;
   atomic_uint inside;
@@ -341,7 +341,7 @@ static void progress_grows_to_one_through_several_loops(void **state) {
   assert_false(r.overlapped);
 }
 
-// A report that takes long must not make the last one, at 1, get lost.
+// A slow report must not suppress the last one, at 1.
 static void the_end_is_reported_even_while_a_report_is_running(void **state) {
   (void)state;
   for (uint32_t round = 0; round < 10; round++) {
@@ -412,7 +412,7 @@ static void a_file_appears_only_when_committed(void **state) {
   assert_int_equal(olx_output_write(&file, "hello", 5), OLX_OK);
   assert_int_equal(olx_output_write_at(&file, 1, "u", 1), OLX_OK);
   assert_int_equal(access(f->file, F_OK), -1);
-  assert_true(folder_entries(f) <= 1); // a file without a name, or a temporary one
+  assert_true(folder_entries(f) <= 1); // at most a temporary file; an unnamed one does not count
   assert_int_equal(olx_output_commit(&file), OLX_OK);
   assert_content(f->file, "hullo");
   assert_int_equal(folder_entries(f), 1);
@@ -487,7 +487,7 @@ static void a_directory_is_not_replaced(void **state) {
   assert_int_equal(folder_entries(f), 1);
 }
 
-// A limit on the size of files acts like a disk that is full.
+// A limit on the size of files has the same effect as a full disk.
 static void a_full_disk_leaves_the_old_file(void **state) {
   const folder *f = *state;
   assert_int_equal(olx_write_file(f->file, "old", 3), OLX_OK);
@@ -527,7 +527,7 @@ static void what_is_no_file_is_not_mapped(void **state) {
   assert_non_null(strstr(olx_last_error(), f->file));
   assert_int_equal(olx_map_file(f->path, &file), OLX_ERROR_FILE);
   assert_non_null(strstr(olx_last_error(), "not a regular file"));
-  // Opening a pipe must not wait for a writer.
+  // Opening a pipe returns at once, without waiting for a writer.
   assert_int_equal(mkfifo(f->file, 0600), 0);
   alarm(10);
   assert_int_equal(olx_map_file(f->file, &file), OLX_ERROR_FILE);
@@ -542,7 +542,7 @@ static void an_empty_file_maps_to_nothing(void **state) {
   olx_mapped_file file;
   assert_int_equal(olx_map_file(f->file, &file), OLX_OK);
   assert_int_equal(file.size_bytes, 0);
-  assert_non_null(file.data); // who reads text may begin there, and end there
+  assert_non_null(file.data); // a pointer that readers of text may use as both begin and end
   olx_unmap_file(&file);
 }
 

@@ -1,4 +1,4 @@
-// Tests the matrix that a cover chooses from: its packed bits agree with its rows.
+// Tests the matrix from which the method cover chooses probes: its packed bits agree with its rows.
 #include "made_scenes.h"
 #include "place/cover_state.h"
 #include "place/space_find.h"
@@ -9,7 +9,7 @@
 
 enum { COMMON = 500, RARE = 300, DENSE = 2000, CANDIDATES = 70 };
 
-// By the rows: the plain way.
+// Checks weights computed from packed bits against those computed from the rows.
 static void expect_same_weights(const olx_cover_state *s) {
   olx_cover_open open;
   ASSERT_OK(olx_cover_open_create(s, &open));
@@ -27,7 +27,8 @@ static void surfels_of(const olx_space *space, const olx_sight *sight, uint32_t 
   ASSERT_OK(olx_surfels_ask(space, sight, NULL, 0, seed, 1, surfels));
 }
 
-// Without picks, with some, and with rare columns behind the common ones, which begin in the middle of a word.
+// Weights agree without picks, with some picks, and with rare columns behind the common ones, which begin in the middle
+// of a word.
 static void bits_weigh_as_rows_do(void **state) {
   (void)state;
   olx_scene *scene = made_finish(start_divided_room());

@@ -1,4 +1,4 @@
-// Tests the denoiser on pictures made by hand: what it must keep, what it must forget, and what must never spread.
+// Tests the denoiser on pictures made by hand: what it must keep, what it must discard, and what must never spread.
 #include "core/sampling.h"
 #include "render/denoise.h"
 #include "tiny_scenes.h"
@@ -97,7 +97,7 @@ static void test_constant_light_stays_constant(void **state) {
   each_filter(check_constant);
 }
 
-// Left of the edge everything is lit, right of it nothing.
+// Lights everything left of the edge and nothing right of it.
 static void check_edge(const olx_lobe_filter *filter, olx_lobe lobe, const view *v) {
   light_buffers *light = make_light();
   for (uint32_t i = 0; i < PIXELS; i++) {
@@ -119,12 +119,12 @@ static void check_edges(const olx_lobe_filter *filter, olx_lobe lobe) {
   check_edge(filter, lobe, v);
   look_at_wall(v, 0, 2);
   for (uint32_t i = 0; i < PIXELS; i++) {
-    if (i % SIZE >= SIZE / 2) v->depth[i] = 6.0f; // a pixel is 0.1 m wide at 2 m
+    if (i % SIZE >= SIZE / 2) v->depth[i] = 6.0f; // far behind, since a pixel is 0.1 m wide at 2 m
   }
   check_edge(filter, lobe, v);
   look_at_wall(v, 0, 2);
   for (uint32_t i = 0; i < PIXELS; i++) {
-    if (i % SIZE >= SIZE / 2) v->depth[i] = INFINITY; // the sky
+    if (i % SIZE >= SIZE / 2) v->depth[i] = INFINITY; // sky in the right half
   }
   check_edge(filter, lobe, v);
   free(v);
@@ -140,7 +140,7 @@ static void test_a_slanted_plane_is_one_surface(void **state) {
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
   view *v = make_wall(0, 2);
   const olx_vec3 normal = olx_normalize(olx_v3(1, 0, 0.5f));
-  // The plane through (-2, 0, 0): dot(normal, p) = -2 normal.x.
+  // This is the plane through (-2, 0, 0): dot(normal, p) = -2 normal.x.
   for (uint32_t i = 0; i < PIXELS; i++) {
     const float across = 2.0f * ((float)(i % SIZE) + 0.5f) / SIZE - 1.0f;
     v->depth[i] = -2.0f * normal.x / (normal.x * across - normal.z);
@@ -149,7 +149,7 @@ static void test_a_slanted_plane_is_one_surface(void **state) {
   }
   light_buffers *light = make_light();
   fill(light, 0);
-  light->sample[at(8, 20)].light = olx_splat(1); // among many others its weight must spread as far as the radius
+  light->sample[at(8, 20)].light = olx_splat(1); // one lit sample, whose light must spread as far as the radius
   accumulate(light, &filter, v, v);
   filter_light(light, &filter, OLX_LOBE_DIFFUSE, v);
   assert_true(light->filtered[at(2, 20)].x > 0 && light->filtered[at(8, 10)].x > 0);
@@ -168,7 +168,7 @@ static void test_history_is_a_mean_that_becomes_exponential(void **state) {
     const double largest = f ? 0.75 : 0.98;
     for (int n = 1; n <= 80; n++) {
       const float value = (float)(n * n % 17);
-      const double share = fmin(1 - 1.0 / n, largest); // of history: 1 - 1/n up to the published weight
+      const double share = fmin(1 - 1.0 / n, largest); // weight of the history: 1 - 1/n, up to the published weight
       expected = share * expected + (1 - share) * (double)value;
       fill(light, value);
       const olx_history *history = accumulate(light, &filters[f], v, v);
@@ -183,7 +183,7 @@ static void test_history_is_a_mean_that_becomes_exponential(void **state) {
 static void test_history_follows_the_surface_that_moves_over_the_screen(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
-  // At depth 2 a pixel is 0.1 wide: the eye moves right by 3 pixels, the wall to the left.
+  // At depth 2 a pixel is 0.1 m wide: the eye moves right by 3 pixels, so the wall moves left in the picture.
   view *before = make_wall(0, 2), *now = make_wall(0.3f, 2);
   light_buffers *light = make_light();
   for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat((float)(i % SIZE)), 1.0f};
@@ -211,7 +211,7 @@ static void test_a_surface_seen_in_its_place_is_still(void **state) {
   fill(light, 1);
   for (int i = 0; i < 30; i++) accumulate(light, &filter, a, a);
   ASSERT_NEAR(light->history[1].count[at(20, 20)], 30.0f, 1e-3f);
-  const olx_history *moved = accumulate(light, &filter, a, b); // by a tenth of a pixel
+  const olx_history *moved = accumulate(light, &filter, a, b); // the view moves by a tenth of a pixel
   ASSERT_NEAR(moved->count[at(20, 20)], 4.0f, 1e-3f);
   free_light(light);
   free(a);
@@ -221,11 +221,12 @@ static void test_a_surface_seen_in_its_place_is_still(void **state) {
 static void test_what_comes_into_sight_starts_anew(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
-  // A post stands before the wall; the eye moves and the post hides other pixels of the wall.
+  // A post stands before the wall; when the eye moves, the post hides other pixels of the wall.
   view *before = make_wall(0, 4), *now = make_wall(0.2f, 4);
   for (uint32_t y = 0; y < SIZE; y++) {
     for (uint32_t x = 0; x < SIZE; x++) {
-      if (x >= 18 && x < 24) before->depth[at(x, y)] = 1; // at depth 1 a pixel is 0.05 wide: 4 pixels
+      // The post moves by 4 pixels, since at depth 1 a pixel is 0.05 m wide.
+      if (x >= 18 && x < 24) before->depth[at(x, y)] = 1;
       if (x >= 14 && x < 20) now->depth[at(x, y)] = 1;
     }
   }
@@ -234,14 +235,14 @@ static void test_what_comes_into_sight_starts_anew(void **state) {
   for (int i = 0; i < 5; i++) accumulate(light, &filter, before, before);
   fill(light, 2);
   const olx_history *history = accumulate(light, &filter, before, now);
-  // The wall moved by one pixel: what shows at 20..22 was behind the post at 21..23; at 23 and on it was seen from 24
-  // on.
+  // The wall moved by one pixel: pixels 20..22 show what was behind the post at 21..23; pixels from 23 on show what was
+  // seen from 24 on.
   for (uint32_t x = 20; x < 23; x++) {
     ASSERT_NEAR(history->count[at(x, 5)], 1.0f, 0);
     ASSERT_NEAR(history->incident[at(x, 5)].light.x, 2.0f, 0);
   }
   ASSERT_NEAR(history->count[at(25, 5)], 6.0f, 1e-3f);
-  ASSERT_NEAR(history->count[at(17, 5)], 6.0f, 1e-3f); // the post, which moved by 4 pixels
+  ASSERT_NEAR(history->count[at(17, 5)], 6.0f, 1e-3f); // a pixel of the post, which moved by 4 pixels
   free_light(light);
   free(before);
   free(now);
@@ -269,19 +270,19 @@ static void check_broken_samples(const olx_lobe_filter *filter, olx_lobe lobe) {
   for (int b = 0; b < 3; b++) {
     light_buffers *light = make_light();
     fill(light, 1);
-    light->sample[at(9, 9)].light.y = bad[b]; // from the first frame on
+    light->sample[at(9, 9)].light.y = bad[b]; // a bad sample in the first frame
     light->sample[at(12, 9)].inverse_distance = bad[b];
     accumulate(light, filter, v, v);
-    light->sample[at(20, 20)].light.z = bad[b]; // in a later frame
+    light->sample[at(20, 20)].light.z = bad[b]; // a bad sample in a later frame
     const olx_history *history = accumulate(light, filter, v, v);
     ASSERT_NEAR(history->count[at(9, 9)], 0.0f, 0);
     const bool remembers = filter->history > 0;
-    ASSERT_NEAR(history->count[at(20, 20)], 1.0f, 0); // it keeps what it knew
+    ASSERT_NEAR(history->count[at(20, 20)], 1.0f, 0); // the pixel keeps its history
     ASSERT_NEAR(history->count[at(21, 20)], remembers ? 2.0f : 1.0f, 0);
     filter_light(light, filter, lobe, v);
     for (uint32_t i = 0; i < PIXELS; i++) {
       assert_true(olx_finite(light->filtered[i]));
-      // Where nothing is known, neighbours stand in if the filter reads any.
+      // Pixels without any valid sample take the light of neighbours if the filter reads any.
       const bool blind = (i == at(9, 9) || i == at(12, 9)) && filter->radius_pixels == 0;
       ASSERT_NEAR(light->filtered[i].x, blind ? 0.0f : 1.0f, 1e-5f);
     }
@@ -320,7 +321,7 @@ static void test_pixels_without_the_lobe_lend_and_borrow_nothing(void **state) {
   view *v = make_wall(0, 2);
   light_buffers *light = make_light();
   fill(light, 1);
-  // A metal square that has no diffuse light: what stands in its samples must not be read.
+  // A metal square has no diffuse light, so the contents of its samples must not be read.
   for (uint32_t y = 10; y < 16; y++) {
     for (uint32_t x = 10; x < 16; x++) light->sample[at(x, y)] = (olx_incident){olx_splat(100), -1.0f};
   }
@@ -335,12 +336,12 @@ static void test_weights_that_are_hardly_there_count_for_nothing(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  // Somewhere on the way to kernels that reach no neighbour, weights are so small that nothing can be divided by their
-  // sum.
+  // For some nearness, before kernels become so small that they reach no neighbour, weights are too small to divide by
+  // their sum.
   for (float nearness = 50.0f; nearness < 1000.0f; nearness *= 1.02f) {
     light_buffers *light = make_light();
     for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), nearness};
-    light->sample[at(20, 20)].inverse_distance = -1.0f; // knows nothing itself
+    light->sample[at(20, 20)].inverse_distance = -1.0f; // a pixel without a sample of its own
     accumulate(light, &filter, v, v);
     filter_light(light, &filter, OLX_LOBE_DIFFUSE, v);
     const float borrowed = light->filtered[at(20, 20)].x;
@@ -367,7 +368,7 @@ static void test_glossy_light_stays_on_its_material(void **state) {
   free(v);
 }
 
-// Mean squared difference to 1, away from the picture's edges.
+// Returns the mean squared difference from 1, away from the picture's edges.
 static double noise(const light_buffers *light) {
   double sum = 0;
   for (uint32_t y = 13; y < SIZE - 13; y++) {
@@ -383,7 +384,7 @@ static double noise_after(const olx_lobe_filter *filter, uint32_t frames) {
   view *v = make_wall(0, 2);
   light_buffers *light = make_light();
   for (uint32_t f = 0; f < frames; f++) {
-    for (uint32_t i = 0; i < PIXELS; i++) { // uniform in 0..2: variance 1/3
+    for (uint32_t i = 0; i < PIXELS; i++) { // light is uniform in 0..2, with variance 1/3
       light->sample[i] = (olx_incident){olx_splat(2 * olx_unit_float(olx_hash2(i, f))), 0.0f};
     }
     accumulate(light, filter, v, v);
@@ -398,10 +399,11 @@ static double noise_after(const olx_lobe_filter *filter, uint32_t frames) {
 static void test_noise_falls_as_the_weights_say(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
-  // Gaussian weights of sigma 6 on every second pixel: as many equal ones as 4 pi sigma^2 / 4 = 113, cut off a little.
+  // Gaussian weights of sigma 6 on every second pixel average as much as 4 pi sigma^2 / 4 = 113 equal weights, a little
+  // less since they are cut off.
   const double one = noise_after(&filter, 1);
   assert_true(one > 1.0 / 3 / 113 / 1.6 && one < 1.0 / 3 / 113 * 1.6);
-  // 98 % history: (1 + 0.98) / (1 - 0.98) = 99 frames at the end, fewer after 40: a mean of 40.
+  // A history of 98 % averages (1 + 0.98) / (1 - 0.98) = 99 frames at the end; after 40 frames it is their mean.
   olx_lobe_filter time_alone = filter;
   time_alone.radius_pixels = 0;
   const double forty = noise_after(&time_alone, 40);
@@ -412,7 +414,7 @@ static void test_kernels_narrow_to_where_light_comes_from(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  const float near = 1.0f / 0.02f, far = 0.0f; // a fifth of a pixel away, and the sky
+  const float near = 1.0f / 0.02f, far = 0.0f; // hits a fifth of a pixel away, and the sky
   for (int i = 0; i < 2; i++) {
     light_buffers *light = make_light();
     for (uint32_t k = 0; k < PIXELS; k++) light->sample[k] = (olx_incident){olx_splat(0), i ? far : near};
@@ -497,7 +499,7 @@ static void test_points_project_to_the_pixels_that_show_them(void **state) {
     }
   }
   olx_vec2 pixel;
-  assert_false(olx_guide_project(&v->guide, olx_v3(0, 0, 1), &pixel)); // behind the eye
+  assert_false(olx_guide_project(&v->guide, olx_v3(0, 0, 1), &pixel)); // a point behind the eye
   free(v);
 }
 

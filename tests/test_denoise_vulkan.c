@@ -1,5 +1,5 @@
-// Tests the denoiser's passes on whatever Vulkan device there is, under the validation layers: they write what the
-// CPU's denoiser makes of the same rays, whatever the views, and fail with messages when something is missing.
+// Tests the denoiser's passes on any Vulkan device, under the validation layers: they write what the CPU's denoiser
+// makes of the same rays, for any views, and fail with messages when something is missing.
 #include "core/bsdf.h"
 #include "core/sampling.h"
 #include "render/denoise.h"
@@ -32,7 +32,7 @@ static host_images make_images(uint32_t width, uint32_t height, uint32_t lobes) 
   return host;
 }
 
-// Its frame cannot run.
+// Makes a fixture whose pipelines are empty, so that its frame cannot run.
 static host_fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes) {
   host_fixture f = host_fixture_make(&device, 64, 16);
   faults_install(&device, &f.uploaded->context.vk);
@@ -41,7 +41,7 @@ static host_fixture make_fixture(uint32_t width, uint32_t height, uint32_t lobes
   return f;
 }
 
-// One whose shaders are compiled once, which takes long. Tests resize its frame.
+// A fixture whose shaders are compiled once, since compiling takes long. Tests resize its frame.
 static host_fixture running;
 
 static int set_up(void **unused) {
@@ -60,7 +60,7 @@ static int tear_down(void **unused) {
   return host_close_device(&device);
 }
 
-// With images of another size, and no history.
+// Gives the running fixture images of another size, and no history.
 static host_fixture *resize_running(uint32_t width, uint32_t height, uint32_t lobes) {
   host_need_device(&device);
   host_images host = make_images(width, height, lobes);
@@ -106,9 +106,10 @@ static void run_frame(host_fixture *f, const host_view *view, olx_vulkan_setting
   assert_true(gpu_commands_run(&device));
 }
 
-// ---- what the CPU makes of it
+// ---- the CPU's denoiser
 
-// The denoiser's buffers. Pictures have a margin, so that a shifted picture is a part of one that is not.
+// Sizes of the denoiser's buffers. Pictures have a margin, so that a shifted picture is a part of one that is not
+// shifted.
 enum {
   MARGIN = 4,
   FULL_WIDTH = WIDTH + 2 * MARGIN,
@@ -125,7 +126,7 @@ typedef struct cpu_frame {
 
 typedef struct cpu_denoiser {
   cpu_frame frames[2];
-  olx_history history[2][2]; // of the diffuse lobe, of the glossy one
+  olx_history history[2][2]; // histories of the diffuse and of the glossy lobe
   olx_vec3 light[2][FULL];
 } cpu_denoiser;
 
@@ -147,7 +148,7 @@ static olx_vec3 glossy_factor(const host_pixel *p) {
   return olx_max_each(olx_fresnel(&bsdf, olx_dot(p->view, p->normal)), olx_splat(0.01f));
 }
 
-// What the device's rays find where they end.
+// Returns the light and distance of the device's rays where they end.
 static olx_incident sample_diffuse(const olx_field *field, const host_pixel *p, olx_vec2 random) {
   const olx_sample_settings settings = olx_sample_settings_default();
   const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), p->normal);
@@ -225,7 +226,7 @@ static void run_cpu_frame(cpu_denoiser *c, const olx_field *field, const host_vi
 
 static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
 
-// Relative mean squared errors of irradiance and of reflected glossy light.
+// Computes the relative mean squared errors of irradiance and of reflected glossy light.
 static void judge(const host_fixture *f, const cpu_denoiser *c, const host_view *v, double errors[2]) {
   double sums[2] = {0};
   errors[0] = errors[1] = 0;
@@ -257,7 +258,7 @@ static void compare_frames(host_fixture *f, const olx_denoise_settings *filters,
     double errors[2];
     judge(f, c, &view, errors);
     print_message("frame %u: relative MSE of irradiance %.2e, glossy %.2e\n", frame, errors[0], errors[1]);
-    // Light and weights are half floats, a relative MSE of 1e-7 each time they are written.
+    // Light and weights are stored as half floats, which adds a relative MSE of 1e-7 each time.
     assert_true(errors[0] < 1e-5 && errors[1] < 1e-5);
   }
   free_cpu_denoiser(c);
@@ -270,7 +271,7 @@ static void frames_are_those_of_the_cpu(void **unused) {
   compare_frames(f, &adaptive, (olx_vec2){0, 0}, false);
   compare_frames(f, &adaptive, (olx_vec2){0, 0}, true);
   compare_frames(f, &published, (olx_vec2){0, 0}, true);
-  compare_frames(f, &adaptive, (olx_vec2){3, -2}, true); // as a jittered projection does
+  compare_frames(f, &adaptive, (olx_vec2){3, -2}, true); // a shifted picture, as of a jittered projection
   assert_silent(f);
 }
 
@@ -291,7 +292,7 @@ static void any_number_of_frames_may_be_recorded_ahead(void **unused) {
   for (uint32_t frame = 0; frame < 5; frame++) record_frame(f, &vulkan_view, &settings, frame);
   host_download(&f->images);
   assert_true(gpu_commands_run(&device));
-  for (uint32_t i = 0; i < 2; i++) { // irradiance and glossy light
+  for (uint32_t i = 0; i < 2; i++) { // for irradiance and for glossy light
     const size_t at = (size_t)16 * WIDTH * HEIGHT * i;
     assert_memory_equal((char *)apart + at, (char *)f->images.staging.mapped + at, (size_t)8 * WIDTH * HEIGHT);
   }
@@ -311,7 +312,7 @@ static void glossy_light_alone_needs_no_other_history(void **unused) {
     run_cpu_frame(c, f->field, &view, &filters, frame);
     double errors[2];
     judge(f, c, &view, errors);
-    assert_true(errors[1] < 1e-5 && errors[0] > 1e-3); // diffuse light comes as its ray found it
+    assert_true(errors[1] < 1e-5 && errors[0] > 1e-3); // diffuse light is unfiltered, as its ray found it
   }
   free_cpu_denoiser(c);
   assert_silent(f);
@@ -381,7 +382,7 @@ static void wrong_settings_are_refused(void **unused) {
   cases[3].settings.diffuse_samples = 0;
   const float parallel[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
   memcpy(cases[4].view.clip_to_world, parallel, sizeof parallel);
-  cases[5].settings.denoise.frame = 1; // and no previous view
+  cases[5].settings.denoise.frame = 1; // a later frame without a previous view
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     assert_int_equal(olx_vulkan_record_denoise(f.frame, device.commands, &cases[i].view, &cases[i].settings),
                      OLX_ERROR_ARGUMENT);
@@ -403,7 +404,8 @@ static void a_device_with_too_small_images_is_refused(void **unused) {
   host_fixture_free(&f);
 }
 
-// Create a frame again and again, with one call more before the one that fails. The layers count what is left behind.
+// Creates a frame again and again, each time with one more call before the one that fails. The validation layers count
+// objects that are left behind.
 static void create_failing(host_fixture *f, VkResult result, olx_result expected, int step) {
   faults.failure = result;
   olx_result got = expected;
@@ -442,9 +444,9 @@ static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
   const olx_vulkan_functions working = f->uploaded->context.vk;
   faults_install(&device, &f->uploaded->context.vk);
   for (uint32_t frame = 0; frame < 4; frame++) {
-    faults.calls_left = 0; // the first image
+    faults.calls_left = 0; // fails at the first image
     assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
-    faults.calls_left = 6 + (int)frame; // the memory, or an image's view
+    faults.calls_left = 6 + (int)frame; // fails at the memory, or at an image's view
     assert_int_equal(olx_vulkan_frame_resize(f->frame, &larger.targets), OLX_ERROR_MEMORY);
     const host_view view = view_of_frame(f, frame, (olx_vec2){0, 0});
     run_frame(f, &view, &settings, frame);

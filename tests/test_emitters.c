@@ -1,4 +1,4 @@
-// Tests how points on lights are drawn: densities sum to one, samples agree with them, and irradiance agrees with
+// Tests how points on lights are sampled: densities sum to one, samples agree with them, and irradiance agrees with
 // closed forms.
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -27,7 +27,7 @@ static olx_material glowing(olx_vec3 radiance, bool both_sides) {
   return material;
 }
 
-// Irradiance of the mean of n unoccluded samples of a group on a surface at `position`.
+// Returns the mean irradiance of n unoccluded samples of a group on a surface at `position`.
 static olx_vec3 irradiance(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec3 normal, uint32_t n) {
   double sum[3] = {0.0, 0.0, 0.0};
   for (uint32_t i = 0; i < n; i++) {
@@ -42,7 +42,7 @@ static olx_vec3 irradiance(const olx_scene *scene, uint32_t group, olx_vec3 posi
   return olx_v3((float)(sum[0] / n), (float)(sum[1] / n), (float)(sum[2] / n));
 }
 
-// Form factor of a rectangle a x b seen from distance c under its corner, parallel to the surface.
+// Returns the form factor of a rectangle a x b seen from distance c under its corner, parallel to the surface.
 static double corner_form_factor(double a, double b, double c) {
   const double x = a / c, y = b / c, rx = sqrt(1.0 + x * x), ry = sqrt(1.0 + y * y);
   return (x / rx * atan(y / rx) + y / ry * atan(x / ry)) / (2.0 * 3.14159265358979323846);
@@ -64,11 +64,11 @@ static void a_rectangle_lights_a_parallel_surface_as_the_closed_form_says(void *
   assert_close((double)below.x, pi * 17.0 * center, 1e-3);
   assert_close((double)below.y, pi * 12.0 * center, 1e-3);
   assert_close((double)below.z, pi * 4.0 * center, 1e-3);
-  // Off the middle, rectangles add and subtract.
+  // For a point away from the middle, form factors of rectangles are added and subtracted.
   const double off = corner_form_factor(1.7, 0.8, 1.5) - corner_form_factor(1.7, -0.2, 1.5) +
                      corner_form_factor(0.3, 0.8, 1.5) - corner_form_factor(0.3, -0.2, 1.5);
   assert_close((double)irradiance(scene, 0, olx_v3(0.7f, 0.0f, 0.3f), up, 1 << 16).x, pi * 17.0 * off, 1e-3);
-  // Behind its lit side there is nothing to draw.
+  // Behind a light's front, no point can be sampled.
   olx_light_sample s;
   for (uint32_t i = 0; i < 100; i++) {
     assert_false(olx_emitters_sample(scene, 0, olx_v3(0.1f, 2.0f, 0.1f), made_random(1, i), 0.3f, &s));
@@ -76,7 +76,7 @@ static void a_rectangle_lights_a_parallel_surface_as_the_closed_form_says(void *
   olx_scene_free(scene);
 }
 
-// Cast the sample's direction: what it meets must have the density with which it was drawn.
+// A ray along the sample's direction meets the sampled triangle, whose density there is the sample's.
 static void sampled_triangles_have_the_density_that_rays_find(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -94,7 +94,7 @@ static void sampled_triangles_have_the_density_that_rays_find(void **state) {
     if (!olx_emitters_sample(scene, 0, position, made_random(8, i), pick, &s)) continue;
     const olx_ray ray = {position, s.direction, 0.0f, INFINITY};
     const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    // A point at the very rim may be missed.
+    // A ray to a point at the very rim may miss.
     if (hit.triangle == OLX_NO_HIT) continue;
     const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
     assert_close((double)olx_emitters_surface_pdf(scene, &surface, position, s.direction), (double)s.pdf, 1e-4);
@@ -123,7 +123,8 @@ static void the_density_of_emitters_all_around_integrates_to_one(void **state) {
     sum += (double)olx_emitters_surface_pdf(scene, &surface, position, ray.direction);
   }
   assert_close(sum / n * 4.0 * (double)OLX_PI, 1.0, 2e-3);
-  // And light that is the same from everywhere gives pi times its radiance. In the middle the noise is least.
+  // Light that is the same from everywhere gives an irradiance of pi times its radiance. The noise is least in the
+  // middle.
   const olx_vec3 e = irradiance(scene, 0, olx_splat(0.0f), olx_normalize(olx_v3(1.0f, 2.0f, 3.0f)), 1 << 20);
   assert_close((double)e.x, (double)OLX_PI, 2e-3);
   assert_close((double)e.z, (double)OLX_PI * 0.2, 2e-3);
@@ -141,7 +142,7 @@ static void triangles_are_drawn_by_area_times_luminance(void **state) {
   made_quad(scene, olx_v3(9.0f, 0.0f, 0.0f), olx_v3(2.0f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f),
             made_material(scene, &dim));
   made_finish(scene);
-  // Powers 3, 3, 0, 0, 1, 1 over areas 1/2, 1/2, 1, 1, 1, 1.
+  // The expected densities: powers 3, 3, 0, 0, 1, 1 over areas 1/2, 1/2, 1, 1, 1, 1.
   const double expected[6] = {0.75, 0.75, 0.0, 0.0, 0.125, 0.125};
   for (uint32_t t = 0; t < 6; t++) assert_close((double)olx_emitters_area_pdf(scene, t), expected[t], 1e-6);
   olx_scene_free(scene);
@@ -151,7 +152,7 @@ static void textured_emission_is_drawn_by_its_mean_and_returns_its_texels(void *
   (void)state;
   olx_scene *scene = made_scene();
   olx_material textured = glowing(olx_splat(4.0f), false);
-  // Each quad's texture is dark in the left half; twice as wide a texture filters it sharply enough.
+  // Each quad's texture is dark in its left half; it is wide enough to be filtered sharply.
   uint8_t texels[64 * 4];
   for (uint32_t x = 0; x < 64; x++) {
     const uint8_t value = x < 32 ? 0 : 255, texel[4] = {value, value, value, 255};
@@ -163,7 +164,8 @@ static void textured_emission_is_drawn_by_its_mean_and_returns_its_texels(void *
   made_quad(scene, olx_splat(0.0f), x, y, made_material(scene, &textured));
   made_quad(scene, olx_v3(5.0f, 0.0f, 0.0f), x, y, made_material(scene, &plain));
   made_finish(scene);
-  // The two triangles share the bright half as 3 : 1, and the whole quad shines half as strongly as 4.
+  // The two triangles share the bright half as 3 : 1, and the textured quad shines half as strongly as a uniform one of
+  // 4.
   assert_close((double)olx_emitters_area_pdf(scene, 0), 2.0 * 0.5 * 0.75, 0.05);
   assert_close((double)olx_emitters_area_pdf(scene, 1), 2.0 * 0.5 * 0.25, 0.05);
   assert_close((double)(olx_emitters_area_pdf(scene, 2) + olx_emitters_area_pdf(scene, 3)), 1.0, 0.02);
@@ -207,10 +209,10 @@ static void sun_point_and_spot_arrive_as_defined(void **state) {
     assert_close((double)s.direction.y, 1.0, 1e-6);
     assert_close((double)s.emission.y, i == 0 ? 4.0 : 1.0, 1e-6);
   }
-  // The sun's target is outside the scene: a ray to it passes everything.
+  // The target of a sample of the sun is outside the scene, so a ray to it crosses the whole scene.
   assert_true(olx_emitters_sample(scene, 0, olx_splat(0.0f), random, 0.5f, &s));
   assert_true(s.target.y > 2.0f);
-  // Away from the axis of the spot: full light to cosine 0.95, none from 0.8, in the middle a quarter.
+  // Away from the axis of the spot, light is full up to cosine 0.95, a quarter in the middle and none from 0.8.
   const float cosines[4] = {0.96f, 0.875f, 0.81f, 0.79f}, shares[4] = {1.0f, 0.25f, 1.0f / 225.0f, 0.0f};
   for (uint32_t i = 0; i < 4; i++) {
     const float c = cosines[i], across = sqrtf(1.0f - c * c);
@@ -277,7 +279,7 @@ static void a_constant_sky_gives_pi(void **state) {
   olx_scene_free(scene);
 }
 
-// An image sky with a small sun, dark and bright areas, and a black band.
+// Makes an image sky with a small sun, dark and bright areas, and a black band.
 static olx_scene *sky_scene(float rotation) {
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
@@ -306,18 +308,18 @@ static void the_density_of_an_image_sky_integrates_to_one(void **state) {
     const olx_vec3 d = olx_sample_sphere(olx_hammersley(i, n));
     const double pdf = (double)olx_environment_pdf(scene, d);
     const double radiance = (double)olx_environment_radiance(scene, d).x;
-    // Wherever there is light it can be drawn.
+    // Every direction with light can be sampled.
     assert_true(pdf > 0.0 || radiance == 0.0);
     sum += pdf;
     light += radiance;
   }
   assert_close(sum / n * 4.0 * (double)OLX_PI, 1.0, 5e-3);
-  // The samples' mean is the integral of the radiance, with little noise for so strong a sun.
+  // The samples' mean is the integral of the radiance, with little noise in spite of the strong sun.
   double drawn = 0.0;
   const uint32_t samples = 1 << 14;
   for (uint32_t i = 0; i < samples; i++) {
     olx_light_sample s;
-    // A texel at the border of the black band is black in part.
+    // A sample may be black, since texels at the border of the black band are black in part.
     if (!olx_emitters_sample(scene, 0, olx_splat(0.0f), olx_stratified2(i, 1), 0.0f, &s)) continue;
     assert_true(s.infinite && !s.delta);
     assert_close((double)olx_length(s.direction), 1.0, 1e-5);
@@ -338,7 +340,7 @@ static void sampled_sky_directions_have_the_density_that_is_asked_for(void **sta
     const double pdf = (double)olx_environment_pdf(scene, s.direction);
     agree += fabs(pdf - (double)s.pdf) <= 1e-4 * (double)s.pdf;
   }
-  // Rounding may move a direction on the border of two texels into the other.
+  // Rounding may move a direction on the border of two texels into the other texel.
   assert_true(drawn > 3950 && agree >= drawn - 10);
   olx_scene_free(scene);
 }
@@ -349,12 +351,12 @@ static void rotation_turns_the_sky_about_y(void **state) {
   olx_scene *still = sky_scene(0.0f), *turned = sky_scene(angle);
   for (uint32_t i = 0; i < 200; i++) {
     const olx_vec3 d = olx_sample_sphere(made_random(6, i));
-    // Right-handed about +y: z turns towards x.
+    // The rotation is right-handed about +y: z turns towards x.
     const olx_vec3 there = {c * d.x + w * d.z, d.y, c * d.z - w * d.x};
     const float a = olx_environment_radiance(still, d).x, b = olx_environment_radiance(turned, there).x;
     assert_true(fabsf(a - b) <= 1e-3f * (1.0f + a));
   }
-  // The middle of the image is +x, the first row +y.
+  // The image's middle is towards +x, its first row towards +y.
   const olx_environment *e = &still->environment;
   const olx_vec3 high = olx_environment_radiance(still, olx_v3(1e-4f, 1.0f, 0.0f));
   const size_t middle = e->width / 2;
@@ -383,7 +385,7 @@ static void distributions_draw_in_proportion_and_never_what_has_no_weight(void *
   assert_false(olx_distribution_build(nothing, 2, sums));
 }
 
-// Relative spread (standard deviation over mean) of single samples' unoccluded irradiance.
+// Returns the relative spread (standard deviation over mean) of single samples' unoccluded irradiance.
 static double spread(const olx_scene *scene, olx_vec3 position, olx_vec3 normal) {
   const uint32_t n = 20000;
   double sum = 0.0, squares = 0.0;
@@ -405,9 +407,9 @@ static void lamps_nearby_are_drawn_with_little_noise(void **state) {
   assert_int_equal(olx_scene_add_rect_light(scene, olx_v3(20.0f, 0.4f, 0.0f), x, z, radiance), OLX_OK);
   made_finish(scene);
   const olx_vec3 up = {0.0f, 1.0f, 0.0f};
-  // Drawn by power alone, the far lamp would take half of the samples: more than 1.
+  // If lamps were sampled by power alone, the far lamp would take half of the samples, and the spread would exceed 1.
   assert_true(spread(scene, olx_splat(0.0f), up) < 0.25);
-  // All but touching the lamp, where density over area has no bound.
+  // The spread stays bounded almost at the lamp's surface, where a density over area has no bound.
   assert_true(spread(scene, olx_v3(0.1f, 0.39f, 0.1f), up) < 1.0);
   const double factor = corner_form_factor(0.6, 0.6, 0.01) + 2.0 * corner_form_factor(0.6, 0.4, 0.01) +
                         corner_form_factor(0.4, 0.4, 0.01);
@@ -425,7 +427,7 @@ static void a_spherical_triangle_has_the_area_of_its_angles(void **state) {
   assert_close((double)olx_spherical_triangle_area(wide), 2.0 * 3.14159265358979323846, 0.02);
 }
 
-// Directions drawn from a triangle lie in it, and each of its parts receives its share.
+// Directions sampled from a triangle are inside it, and each part of it receives its share.
 static void spherical_triangles_are_sampled_evenly(void **state) {
   (void)state;
   for (uint32_t k = 0; k < 50; k++) {
@@ -433,7 +435,7 @@ static void spherical_triangles_are_sampled_evenly(void **state) {
     for (uint32_t i = 0; i < 3; i++) corners[i] = olx_sample_sphere(made_random(20 + i, k));
     const float whole = olx_spherical_triangle_area(corners);
     if (whole < 0.03f) continue;
-    // The part on b's side of the bisector from c to the middle of ab.
+    // This is the part on b's side of the bisector from c to the middle of ab.
     const olx_vec3 middle = olx_normalize(olx_add(corners[0], corners[1]));
     const olx_vec3 part[3] = {middle, corners[1], corners[2]};
     const olx_vec3 plane = olx_cross(middle, corners[2]);

@@ -1,5 +1,5 @@
-// Tests images of environments as OpenEXR: their numbers, what is repaired in them, and their share of the limit on
-// texels.
+// Tests images of environments as OpenEXR: their numbers, the repair of invalid numbers, and their share of the limit
+// on texels.
 #include "scene_files.h"
 #include "tiny_scenes.h"
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The shader library is also a program of ESSL 3.00, as browsers compile it.
+# The shader library also compiles as ESSL 3.00, as browsers compile it.
 set -euo pipefail
 source_dir=${OCTALUX_SOURCE_DIR:?}
 for tool in node glslangValidator; do
@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 node "$source_dir/web/bundle_shaders.mjs" "$source_dir/shaders" >"$work/whole.frag"
 glslangValidator -S frag "$work/whole.frag" || { echo "FAILED: shaders/lib is not ESSL 3.00" >&2; exit 1; }
 
-# What the languages do not share is looked for in the text that a browser compiles, and in nothing else.
+# Words that ESSL does not have must not be left in the text that a browser compiles.
 glslangValidator -E -S frag "$work/whole.frag" >"$work/compiled.frag"
 for word in 'precise' 'buffer ' 'layout *(set' 'constant_id' 'texture('; do
   if grep -n -- "$word" "$work/compiled.frag"; then
@@ -20,7 +20,7 @@ for word in 'precise' 'buffer ' 'layout *(set' 'constant_id' 'texture('; do
   fi
 done
 
-# A number where another type is wanted is an error there.
+# ESSL has no implicit conversions, and the validator reports one.
 glslangValidator -S frag "$work/compiled.frag" >/dev/null
 sed 's/uint olx_constant_tracer = 2u/uint olx_constant_tracer = 2/' "$work/compiled.frag" >"$work/broken.frag"
 if glslangValidator -S frag "$work/broken.frag" >/dev/null; then

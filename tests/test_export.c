@@ -1,4 +1,5 @@
-// Tests exports of made-up fields: which maps a field has, and what is refused before anything is written.
+// Tests exports of made-up fields: which maps a field has, and that impossible exports are refused before anything is
+// written.
 #include "field_fixture.h"
 
 #include "core/hooks.h"
@@ -16,7 +17,7 @@ static olx_field *open_synthetic(const field_fixture *f, const synthetic_shape *
   return field;
 }
 
-// A bit for each map that a field has.
+// Returns a bit for each map that a field has.
 static uint32_t maps_of(const olx_field *field) {
   uint32_t mask = 0;
   for (olx_map map = OLX_MAP_DISTANCE; map < OLX_MAP_COUNT; map++) {
@@ -66,7 +67,7 @@ static void test_every_texel_of_every_map_can_be_read(void **state) {
   }
 }
 
-// Irradiance of harmonics is what the runtime says in the direction of the texel.
+// The exported irradiance of harmonics agrees with the runtime's in the direction of each texel.
 static void test_harmonics_are_shown_as_irradiance(void **state) {
   olx_field *field = open_synthetic(*state, &third_order);
   const uint32_t side = olx_map_side(field, OLX_MAP_IRRADIANCE);

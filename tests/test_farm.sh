@@ -1,5 +1,5 @@
-# The templates of docs/farm.md make the field of a bake on one machine: the Slurm script as an array of tasks, one of
-# which is killed and requeued, and the shell function that GNU parallel calls.
+# The templates of docs/farm.md make the same field as a bake on one machine: the Slurm script as an array of tasks, one
+# of which is killed and requeued, and the shell function that GNU parallel calls.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -7,7 +7,7 @@ page=$OCTALUX_SOURCE_DIR/docs/farm.md
 PATH=$(dirname "$OCTALUX"):$PATH
 cd "$work"
 scene="builtin:cornell --grid 2x1x2 --radiance-size 32 --noise 0.2"
-# The template with a scene that is quick, and without long sleeps.
+# quick: replaces the template's scene by a quick one, and long sleeps by short ones.
 quick() { sed "s/builtin:temple --grid 8x8x8/$scene/; s/sleep [0-9]*/sleep 0.1/"; }
 
 octalux bake $scene --isa avx2 -o whole.olx >/dev/null

@@ -1,5 +1,5 @@
-// Tests lists of links: what is added is summed by surfel, and of too many links some are drawn so that on average no
-// weight is lost.
+// Tests lists of links: added links are summed by surfel, and when there are too many, some are drawn at random so that
+// on average no weight is lost.
 #include "light/few_links.h"
 
 #include "core/sampling.h"
@@ -27,7 +27,7 @@ static bool near3(olx_vec3 value, olx_vec3 expected, double share) {
          near((double)value.z, (double)expected.z, share);
 }
 
-// Luminance that links weigh together.
+// Returns the luminance of all links' weights together.
 static double weight_of(const olx_few_link *links, uint32_t count) {
   double sum = 0.0;
   for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(links[i].weight);
@@ -44,13 +44,13 @@ static void links_to_a_surfel_are_summed(void **state) {
   for (uint32_t i = 0; i < 5; i++) olx_link_list_add(&list, &links[i]);
   olx_few_link found[10];
   assert_int_equal(olx_link_list_take(&list, 10, 0.5f, found), 3);
-  assert_int_equal(found[0].from, 7); // in the order in which surfels were first named
+  assert_int_equal(found[0].from, 7); // links come in the order in which surfels were first named
   assert_int_equal(found[1].from, 9);
   assert_int_equal(found[2].from, 0);
   const olx_vec3 wanted = {0.5f, 0.375f, 1.0f};
   assert_true(near3(found[0].weight, wanted, 1e-6) && near3(found[1].weight, olx_scale(red, 2.0f), 1e-6));
   assert_true(near((double)found[0].straight, 0.375, 1e-6) && found[1].straight == 0.0f);
-  // Directions count by luminance.
+  // Directions are weighted by luminance.
   const float l = olx_luminance(blue), m = olx_luminance(red);
   assert_true(near3(found[0].direction, olx_v3(l, 0.0f, m), 1e-6));
   assert_true(near3(found[1].direction, olx_v3(m, 0.0f, m), 1e-6));
@@ -74,7 +74,7 @@ static void fill(olx_link_list *list) {
   }
 }
 
-// All of them.
+// Fills a list and takes all of its links.
 static void fill_and_keep(olx_link_list *list, olx_few_link links[SURFELS]) {
   fill(list);
   assert_int_equal(olx_link_list_take(list, SURFELS, 0.3f, links), SURFELS);
@@ -99,7 +99,8 @@ static int heavier_first(const void *a, const void *b) {
   return p < q ? 1 : p > q ? -1 : 0;
 }
 
-// The weight t for which links, counted by min(1, weight / t) each, are as many as there is room for.
+// Returns the weight t for which the sum of min(1, weight / t) over all links is the number of links that there is room
+// for.
 static double threshold_of(const olx_few_link *all, uint32_t count, uint32_t most) {
   double weights[SURFELS], rest = 0.0;
   for (uint32_t i = 0; i < count; i++) rest += weights[i] = (double)olx_luminance(all[i].weight);
@@ -109,7 +110,7 @@ static double threshold_of(const olx_few_link *all, uint32_t count, uint32_t mos
   return rest / (most - heavy);
 }
 
-// Whether a drawn link is the one that it stands for, times the same number in all its parts.
+// Asserts that a drawn link equals the original, with all its parts scaled by the same factor.
 static void assert_scaled(const olx_few_link *drawn, const olx_few_link *own, double scale) {
   assert_true(near3(drawn->weight, olx_scale(own->weight, (float)scale), 1e-4));
   assert_true(near3(drawn->direction, olx_scale(own->direction, (float)scale), 1e-4));
@@ -121,10 +122,10 @@ static void assert_drawn(const olx_few_link *all, const olx_few_link *drawn, uin
   for (uint32_t i = 0; i < SURFELS; i++) {
     const double weight = (double)olx_luminance(all[i].weight);
     const bool named = next < count && drawn[next].from == all[i].from;
-    if (weight > threshold * 1.0001) assert_true(named); // heavy ones are all there
+    if (weight > threshold * 1.0001) assert_true(named); // every heavy link is kept
     if (named) assert_scaled(&drawn[next++], &all[i], fmax(threshold / weight, 1.0));
   }
-  assert_int_equal(next, count); // each once, in their order
+  assert_int_equal(next, count); // each link once, in the order of the list
 }
 
 // Links heavier than a threshold are kept unchanged, and each lighter link that is drawn gets the threshold as its
@@ -149,8 +150,8 @@ static void too_many_are_drawn(void **state) {
   olx_link_list_free(&list);
 }
 
-// Over all draws a link weighs what it did, to within what DRAWS evenly spread numbers can tell: it is there for as
-// many of them as its share of the threshold says, but for one.
+// Averaged over DRAWS evenly spread numbers, a link keeps its weight: the number of draws that contain it differs by at
+// most one from the share that its weight has of the threshold.
 static void no_link_gains_or_loses_weight_on_average(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);
@@ -174,7 +175,7 @@ static void no_link_gains_or_loses_weight_on_average(void **state) {
 
 // ---- Ends of the range
 
-// A link of an n-th of the weight is drawn for an n-th of the numbers, wherever it stands.
+// A link with an n-th of the weight is drawn for an n-th of the numbers, at any position in the list.
 static void equal_links_are_drawn_in_turn(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);
@@ -192,7 +193,7 @@ static void equal_links_are_drawn_in_turn(void **state) {
   olx_link_list_free(&list);
 }
 
-// Links that bring nothing, a room for one, and random numbers at the ends of their range.
+// Tests links without weight, room for a single link, and random numbers at the ends of their range.
 static void few_remain_few(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS);
@@ -213,7 +214,7 @@ static void few_remain_few(void **state) {
   olx_link_list_free(&list);
 }
 
-// What was taken leaves nothing behind: the next place has the links that a new list would give it, bit by bit.
+// After its links are taken, a list gives the same links as a new list would, bit by bit.
 static void a_list_is_empty_afterwards(void **state) {
   (void)state;
   olx_link_list list = begin(SURFELS), other = begin(SURFELS);

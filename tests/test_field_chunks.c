@@ -1,11 +1,10 @@
-// Tests the chunks that not every field has, those of classic maps, spherical harmonics and relighting: every refusal
-// is reached.
+// Tests optional chunks, those of classic maps, spherical harmonics and relighting: every refusal is reached.
 #include "field_fixture.h"
 
 #include "core/hooks.h"
 #include "field/field_writer.h"
 
-// With a wrong value in a place of `i` the file is refused, or only when it is verified, with these words.
+// Puts a wrong value in a place of `i` and checks that opening the file, or only verifying it, fails with these words.
 #define WRONG(place, value, judge, message)                                                                            \
   do {                                                                                                                 \
     __typeof__(place) *at = &(place), good = *at;                                                                      \
@@ -16,7 +15,7 @@
   } while (0)
 #define REFUSED(place, value, message) WRONG(place, value, assert_field_refused, message)
 #define UNVERIFIED(place, value, message) WRONG(place, value, assert_field_unverified, message)
-// A chunk of `i`.
+// The words of a chunk of `i`.
 #define WORDS(chunk) ((uint32_t *)(i.bytes + i.chunks[chunk].offset))
 
 // --- Classic maps: chunks after the required ones, since the field has no selector but the cage
@@ -30,7 +29,7 @@ static void test_refuses_wrong_classic_maps(void **state) {
   REFUSED(header->size, 48, "classic size 48");
   REFUSED(header->size, 512, "classic size 512");
   REFUSED(header->size, 0, "classic size 0");
-  REFUSED(header->size, 128, "chunk CIRR: 104544 bytes in records of 17424"); // the maps are those of 64
+  REFUSED(header->size, 128, "chunk CIRR: 104544 bytes in records of 17424"); // the stored maps have 64 texels
   REFUSED(header->cube_size, 2048, "cube maps of 2048 texels");
   REFUSED(header->sharpness, NAN, "classic sharpness nan");
   REFUSED(header->sharpness, 1.0f, "classic sharpness 1");
@@ -83,7 +82,7 @@ static void test_refuses_wrong_harmonics(void **state) {
   i.info->irradiance_form = OLX_IRRADIANCE_OCTAHEDRAL;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk IRRA");
-  i.info->irradiance_form = OLX_IRRADIANCE_SH2; // the records are those of the third order
+  i.info->irradiance_form = OLX_IRRADIANCE_SH2; // the records have the size of the third order
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk IRSH: 336 bytes in records of 56");
   *i.info = good;
@@ -98,18 +97,18 @@ static void test_verify_reads_harmonics(void **state) {
   uint16_t *halves = (uint16_t *)(i.bytes + i.chunks[OLX_CHUNK_IRRADIANCE].offset);
   UNVERIFIED(halves[28 * 2 + 13], 0x7C00, "irradiance of probe 2: coefficient 4: impossible (code 0x7c00)");
   UNVERIFIED(halves[5], 0xFE00, "irradiance of probe 0: coefficient 1");      // NaN
-  UNVERIFIED(halves[28 + 1], 0xB800, "irradiance of probe 1: coefficient 0"); // a mean below zero
-  UNVERIFIED(halves[28 * 5 + 27], 1, "irradiance of probe 5: coefficient 9"); // what fills the last word
+  UNVERIFIED(halves[28 + 1], 0xB800, "irradiance of probe 1: coefficient 0"); // a negative mean
+  UNVERIFIED(halves[28 * 5 + 27], 1, "irradiance of probe 5: coefficient 9"); // padding of the last word
   field_seal(&i);
   assert_field_sound(&i);
   olx_release(i.bytes);
 }
 
-// --- What relighting needs: the last chunk, after the tiles of emission
+// --- Relighting data: the last chunk, after the tiles of emission
 
 enum { RLIT = OLX_CHUNK_REQUIRED + 1 };
 
-// The arrays of such a chunk, to be changed, as docs/format.md has them.
+// Pointers to the arrays of a relighting chunk, to be changed, as docs/format.md defines them.
 typedef struct relight_image {
   olx_relight_header *header;
   olx_relight_surfel *surfels;
@@ -145,7 +144,7 @@ static void test_refuses_wrong_relight_headers(void **state) {
     REFUSED(*counts[k], *counts[k] + 1, "bytes where its contents take");
     REFUSED(*counts[k], OLX_RELIGHT_MOST, "bytes where its contents take");
   }
-  // A link has 24 bits for a surfel.
+  // A link has 24 bits for the surfel's number.
   REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS + 1u, "chunk RLIT: a count of 16777217");
   REFUSED(h->surfels, OLX_RELIGHT_MOST_SURFELS, "bytes where its contents take");
   REFUSED(h->surfels, h->surfels + 1, "bytes where its contents take");
@@ -199,7 +198,8 @@ static void test_refuses_impossible_surfels(void **state) {
   olx_release(i.bytes);
 }
 
-// Numbers of surfels are below 21; above the 24 bits of a link's stands how straight it is, which may be anything.
+// Numbers of surfels are below 21; the bits of a link above the 24 of the number hold its straight share, which may be
+// anything.
 static void test_refuses_relight_numbers_out_of_range(void **state) {
   const field_image i = field_image_load(*state, &relit);
   const relight_image r = relight_of(&i);
@@ -209,7 +209,7 @@ static void test_refuses_relight_numbers_out_of_range(void **state) {
   REFUSED(r.links[0].from_straight, UINT32_MAX, "chunk RLIT: link 0 names 16777215, which it cannot");
   REFUSED(r.entries[2].surfel, 21, "chunk RLIT: entry 2 names 21, which it cannot");
   REFUSED(r.entries[0].surfel, UINT32_MAX, "chunk RLIT: entry 0 names 4294967295, which it cannot");
-  // What a block needs depends on the sites that its texels choose.
+  // The sites that a block needs depend on the sites that its texels choose.
   const uint32_t sites = r.header->sites;
   r.blocks[0] = (olx_relight_block){sites - 1, 0};
   REFUSED(r.blocks[0].first_site, sites, "chunk RLIT: block 0 names");
@@ -242,7 +242,7 @@ static void test_refuses_volume_links_out_of_range(void **state) {
   d.links[1].from = 1;
   assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
   assert_says("a file: chunk RLIT: link of a volume probe 1 names 1, which it cannot");
-  d.links[1].from = 1u << 24; // all its bits are the surfel
+  d.links[1].from = 1u << 24; // all bits of this link are the surfel's number
   assert_int_equal(olx_relight_structure_open(&d, sizeof d, "a file", &relight), OLX_ERROR_FORMAT);
   assert_says("link of a volume probe 1 names 16777216");
   d.links[1].from = 0;
@@ -251,7 +251,7 @@ static void test_refuses_volume_links_out_of_range(void **state) {
   assert_says("links of volume probes do not follow each other");
 }
 
-// A field of two probes with maps of 16 x 16 texels has 32 blocks, and none has a volume here.
+// A field of two probes with maps of 16 x 16 texels has 32 blocks; the shapes here have no volume.
 static void refuse_other_relighting(field_fixture *f, const void *data, size_t size_bytes, const char *message) {
   synthetic_shape bare = relit;
   bare.relight_surfels = 0;
@@ -285,7 +285,7 @@ static void test_refuses_relighting_of_another_field(void **state) {
                           "chunk RLIT: 32 blocks of texels and 1 volume probes, not 32 and 0");
 }
 
-// Its checksum is read when the file is verified, and a reader that does not know it lights by what was baked.
+// The chunk's checksum is read only by verifying, and a reader that does not know the chunk uses the baked light.
 static void test_relighting_is_optional(void **state) {
   const field_image i = field_image_load(*state, &relit);
   const relight_image r = relight_of(&i);
@@ -303,7 +303,7 @@ static void test_relighting_is_optional(void **state) {
   olx_release(i.bytes);
 }
 
-// --- Probe light: chunks that irradiance probes in the description bring with them
+// --- Probe light: chunks that a description with irradiance probes requires
 
 static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   field_image i = field_image_load(*state, &without_probe_light);
@@ -318,19 +318,19 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   const uint32_t types[] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), OLX_FOUR_CC('I', 'P', 'O', 'S'),
                             OLX_FOUR_CC('I', 'F', 'L', 'G'), OLX_FOUR_CC('I', 'R', 'R', 'A'),
                             OLX_FOUR_CC('M', 'O', 'M', 'E')};
-  // The only chunk but the tiles of emission that is looked for later.
+  // The chunk of lights is the only one after the required chunks, except the tiles of emission, that opening reads.
   olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2];
   for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
     REFUSED(lights->type, types[k], "but the description has no irradiance probes");
   }
-  // A description that claims them.
+  // The description claims irradiance probes that the file does not have.
   i.info->irradiance_probe_count = 1;
   i.info->irradiance_size = 8;
   for (int axis = 0; axis < 3; axis++) i.info->irradiance_grid.count[axis] = 1;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk RADI");
   olx_release(i.bytes);
-  // One that denies them.
+  // The description denies irradiance probes that the file has.
   i = field_image_load(*state, &least);
   i.info->irradiance_probe_count = i.info->irradiance_size = 0;
   i.info->irradiance_grid = (olx_file_grid){.count = {0}};
@@ -339,7 +339,7 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   olx_release(i.bytes);
 }
 
-// --- The origin: after the required chunks, since the field has no other
+// --- The origin: after the required chunks, since the field has no other chunk
 
 static const synthetic_shape far_away = {
     .grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8, .origin = {1e7, 0.0, -0.5}};
@@ -365,9 +365,10 @@ static void test_the_origin_is_read_and_checked(void **state) {
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk ORIG: the origin (0 0 0) is 0");
   olx_release(i.bytes);
-  // A field at the origin of coordinates has no such chunk.
+  // A field whose origin is that of coordinates has no such chunk.
   i = field_image_load(*state, &least);
-  assert_int_equal(i.header->chunk_count, OLX_CHUNK_REQUIRED + 1); // and the tiles of emission, which come last
+  // Required chunks and the tiles of emission, which come last.
+  assert_int_equal(i.header->chunk_count, OLX_CHUNK_REQUIRED + 1);
   olx_release(i.bytes);
 }
 

@@ -5,7 +5,7 @@
 #include "core/hooks.h"
 #include "field/texels.h"
 
-// The chunks of a field that has nothing but the required ones; that of emission's tiles comes last.
+// The chunks of a field that has only the required ones; the chunk of emission tiles comes last.
 enum { REQUIRED = OLX_CHUNK_REQUIRED + 1 };
 static const olx_chunk_kind TILES = OLX_CHUNK_REQUIRED;
 
@@ -48,7 +48,7 @@ static void test_refuses_a_wrong_header(void **state) {
     field_seal(&i);
     assert_field_refused(&i, OLX_ERROR_FORMAT, "chunks are not in 1..256");
   }
-  // A header that is right about its size, but the size holds no table.
+  // The header states the file's true size, but the file is too short for a chunk table.
   *i.header = good;
   i.header->file_bytes = i.size_bytes = 128;
   i.header->header_hash = olx_content_hash(i.header, 56);
@@ -67,7 +67,7 @@ static void test_refuses_a_wrong_header(void **state) {
   olx_release(i.bytes);
 }
 
-// A file of version 1 cannot be used, but it says what it is.
+// A file of version 1 cannot be used, but can be described.
 static void test_describes_version_1(void **state) {
   const field_fixture *f = *state;
   const field_image i = field_image_load(*state, &small);
@@ -111,17 +111,18 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   REFUSED(OLX_ERROR_FORMAT, "chunk NORM: flagged optional");
   normal->offset += 64;
   REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
-  normal->offset -= 64; // overlaps the one before
+  normal->offset -= 64; // overlaps the chunk before
   REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
   normal->offset += 4;
   REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): begins at byte");
   normal->size_bytes = UINT64_MAX;
   REFUSED(OLX_ERROR_FORMAT, "chunk 4 (NORM): 18446744073709551615 bytes");
-  normal->size_bytes = UINT64_MAX - normal->offset; // the sum does not overflow, its padding would
+  // The size does not overflow the sum of offset and size, but its padding does.
+  normal->size_bytes = UINT64_MAX - normal->offset;
   REFUSED(OLX_ERROR_FORMAT, "reach beyond the end of the file");
   i.chunks[TILES].size_bytes -= 64;
   REFUSED(OLX_ERROR_FORMAT, "bytes after the last chunk");
-  normal->size_bytes -= 1; // still the same place for the next chunk
+  normal->size_bytes -= 1; // the next chunk still begins at the same byte
   REFUSED(OLX_ERROR_FORMAT, "chunk NORM: 7775 bytes");
   normal->record_bytes -= 1;
   REFUSED(OLX_ERROR_FORMAT, "chunk NORM: 7776 bytes in records of 647");
@@ -139,7 +140,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   REFUSED(OLX_ERROR_CHECKSUM, "chunk INFO: wrong checksum");
   i.chunks[OLX_CHUNK_INFO].size_bytes = 129;
   REFUSED(OLX_ERROR_FORMAT, "chunk INFO: 129 bytes, not 160");
-  // A padding that would end behind the file: the last chunk, and the file cut inside its padding.
+  // The last chunk's padding would end behind the file, which is cut inside it.
   i.chunks[TILES].size_bytes -= 40;
   i.header->file_bytes -= 32;
   i.size_bytes -= 32;
@@ -148,7 +149,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   olx_release(i.bytes);
 }
 
-// The same file with one more chunk at the end of the table.
+// Makes the same file with one more chunk at the end of the table.
 static field_image with_chunk(const field_image *from, uint32_t type, uint32_t flags) {
   const size_t old_table = REQUIRED * sizeof(olx_file_chunk), head = 64 + old_table;
   field_image i = {.size_bytes = from->size_bytes + 64 + 64};
@@ -249,11 +250,11 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(form = 2, "a chunk NORM, but the description has geometry in blocks");
   REFUSED(form = 1, "no chunk BAS1");
 #undef REFUSED
-  i.info->select_mask = 1u << OLX_SELECT_BRICKS; // whose chunk is missing
+  i.info->select_mask = 1u << OLX_SELECT_BRICKS; // a selector whose chunk is missing
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BRIK, but the description names its selector");
   *i.info = good;
-  i.info->select_mask = 1u << 31 | 1u; // a later selector beside one that is known
+  i.info->select_mask = 1u << 31 | 1u; // an unknown later selector beside a known one
   field_seal(&i);
   olx_field *field;
   assert_int_equal(olx_field_open_memory(i.bytes, i.size_bytes, &field), OLX_OK);
@@ -288,10 +289,10 @@ static void test_verify_sees_every_flipped_bit(void **state) {
     i.bytes[at] ^= (unsigned char)(1u << at % 8);
   }
   assert_true(seen_open > 900 && seen_verify > 900);
-  // Every chunk, and the padding after each.
+  // Flips a bit in every chunk, and in the padding after each.
   for (uint32_t k = 0; k < REQUIRED; k++) {
     const olx_file_chunk *chunk = &i.chunks[k];
-    if (k != OLX_CHUNK_INFO && k != OLX_CHUNK_LIGHTS) { // whose content is looked at on opening
+    if (k != OLX_CHUNK_INFO && k != OLX_CHUNK_LIGHTS) { // the contents of these chunks are checked on opening
       char message[64];
       snprintf(message, sizeof message, "chunk %u (%s): wrong checksum", k, olx_chunk_type_name(chunk->type).text);
       i.bytes[chunk->offset] ^= 4;
@@ -308,7 +309,7 @@ static void test_verify_sees_every_flipped_bit(void **state) {
 
 static void test_verify_reads_the_content(void **state) {
   const field_image i = field_image_load(*state, &small);
-  const size_t texels = 18 * 18, inner = 5 * 18 + 7; // texel (6, 4)
+  const size_t texels = 18 * 18, inner = 5 * 18 + 7; // `inner` is texel (6, 4)
 #define REFUSED(kind, type, index, value, message)                                                                     \
   do {                                                                                                                 \
     type *codes = field_chunk(&i, kind);                                                                               \
@@ -363,13 +364,13 @@ static void test_refuses_wrong_lights(void **state) {
     lights[index] = good;                                                                                              \
   } while (0)
   REFUSED(0, type = 3, "unknown type");
-  REFUSED(0, position.x = 1.0f, "impossible position"); // a sun has none
+  REFUSED(0, position.x = 1.0f, "impossible position"); // a sun has no position
   REFUSED(0, direction.x = 1.0f, "impossible direction");
   REFUSED(0, direction.y = NAN, "impossible direction");
   REFUSED(0, emission.x = NAN, "impossible emission");
   REFUSED(1, emission.y = INFINITY, "impossible emission");
   REFUSED(1, position.y = 2e18f, "impossible position");
-  REFUSED(1, direction.z = 1.0f, "impossible direction"); // a lamp shines everywhere
+  REFUSED(1, direction.z = 1.0f, "impossible direction"); // a point light has no direction
   REFUSED(1, cosine_inner = 0.5f, "impossible cone");
   REFUSED(2, position.z = NAN, "impossible position");
   REFUSED(2, cosine_outer = 0.95f, "impossible cone");
@@ -404,7 +405,7 @@ static void test_refuses_wrong_lights(void **state) {
 static void test_verify_reads_surfaces(void **state) {
   const field_image i = field_image_load(*state, &small);
   const uint16_t *distance = field_chunk(&i, OLX_CHUNK_DISTANCE);
-  size_t sky = 19, wall = 19; // texels of the first probe's inside
+  size_t sky = 19, wall = 19; // texels inside the first probe's map, without its border
   for (; distance[sky] != 0x7C00; sky++) continue;
   for (; distance[wall] >= 0x7C00; wall++) continue;
 #define UNVERIFIED(kind, type, index, value, message)                                                                  \
@@ -420,7 +421,7 @@ static void test_verify_reads_surfaces(void **state) {
   UNVERIFIED(OLX_CHUNK_SPECULAR, uint16_t, 324 * 3, 1, "specular of probe 3: border texel (-1, -1) differs");
   UNVERIFIED(OLX_CHUNK_DIRECT, uint32_t, 324 * 11, 1, "direct light of probe 11: border texel (-1, -1) differs");
   UNVERIFIED(OLX_CHUNK_INDIRECT, uint32_t, 323, 1, "indirect light of probe 0: border texel (16, 16) differs");
-  // The border repeats some texels of the inside: the sky is looked for away from the edge.
+  // The border repeats some inner texels, so the sky is searched for away from the edge.
   for (; distance[sky] != 0x7C00 || sky % 18 < 2 || sky % 18 > 15 || sky / 18 < 2; sky++) continue;
   UNVERIFIED(OLX_CHUNK_BASE, uint32_t, sky, 1, "base colour of probe 0, texel (");
   UNVERIFIED(OLX_CHUNK_SPECULAR, uint16_t, sky, 1, "): not 0, but it sees the sky");
@@ -437,7 +438,8 @@ static void test_verify_reads_surfaces(void **state) {
   olx_release(i.bytes);
 }
 
-// Which of two fields a description is of is told by its chunks, and an older reader refuses what it does not know.
+// The form that a description states must agree with the chunks, and an older reader refuses chunks that it does not
+// know.
 static void test_refuses_texels_for_blocks(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
   const olx_file_info good = *i.info;
@@ -467,7 +469,7 @@ static void test_refuses_texels_for_blocks(void **state) {
   olx_release(i.bytes);
 }
 
-// Light has fourteen modes, and the sky is nothing.
+// Blocks of light have fourteen valid modes, and blocks of sky must be zero.
 static void test_verify_reads_blocks(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
   enum { FIRST = 16 * 7 + 5, SKY = 16 * 3 + 6 }; // blocks of probes 7 and 3
@@ -516,7 +518,7 @@ static olx_file_chunk *chunk_of_type(const field_image *i, uint32_t type) {
   return NULL;
 }
 
-// The first block of a form, in a form the encoder writes.
+// Returns the first geometry block that the encoder wrote in this form.
 static olx_geometry_block *block_of_form(const field_image *i, uint32_t form) {
   const olx_file_chunk *chunk = chunk_of_type(i, OLX_FOUR_CC('G', 'E', 'O', 'M'));
   olx_geometry_block *blocks = (olx_geometry_block *)(i->bytes + chunk->offset);
@@ -528,8 +530,8 @@ static olx_geometry_block *block_of_form(const field_image *i, uint32_t form) {
   return NULL;
 }
 
-// What geometry blocks may be, and what they must agree with: planes of the pool with how near they come, all with
-// pyramids.
+// Verifying refuses geometry blocks that are invalid, that name planes outside the pool or state a wrong nearest
+// distance of their planes, and pyramids that do not agree with the blocks.
 static void test_verify_reads_geometry(void **state) {
   const field_image i = field_image_load(*state, &of_planes);
   assert_field_sound(&i);
@@ -564,7 +566,7 @@ static void test_verify_reads_geometry(void **state) {
   olx_release(i.bytes);
 }
 
-// What a damaged file names is not read.
+// Emission tiles that a damaged file refers to, but does not have, are not read.
 static void test_emission_stays_inside(void **state) {
   const field_image i = field_image_load(*state, &small);
   uint32_t *entries = field_chunk(&i, OLX_CHUNK_EMISSION);
@@ -583,7 +585,7 @@ static void test_emission_stays_inside(void **state) {
   olx_release(i.bytes);
 }
 
-// The half that rounding a mean up and a second moment down leaves is no error: every mean with its own square passes.
+// Rounding a mean up and a second moment down to half floats is no error: every mean with its own square is accepted.
 static void test_rounded_moments_are_possible(void **state) {
   const field_image i = field_image_load(*state, &least);
   uint32_t *moments = field_chunk(&i, OLX_CHUNK_MOMENTS);

@@ -1,4 +1,4 @@
-// Tests that what is written to a field file is what is read from it.
+// Tests that reading a field file gives the data that was written to it.
 #include "field_fixture.h"
 
 #include "core/file.h"
@@ -8,7 +8,7 @@
 static const synthetic_shape single = {.grid = {1, 1, 1}, .irradiance_grid = {1, 1, 1}, .n = 128, .irradiance_n = 32};
 static const synthetic_shape second_order = {
     .grid = {1, 2, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .irradiance_form = OLX_IRRADIANCE_SH2};
-// No irradiance probes, and a selector between the required chunks and the last.
+// A shape without irradiance probes, with a selector between the required chunks and the last.
 static const synthetic_shape relit_alone = {
     .grid = {2, 2, 1}, .n = 8, .select_mask = 1u << OLX_SELECT_VORONOI, .relight_surfels = 5};
 
@@ -18,7 +18,7 @@ static uint32_t bordered(const void *map, uint32_t n, size_t texel_bytes, int32_
   return texel;
 }
 
-// Whether a bordered map is the given one with the border that continues it on the sphere.
+// Asserts that a bordered map is the given one with the border that continues it on the sphere.
 static void assert_map(const void *stored, const void *map, uint32_t n, size_t texel_bytes) {
   const int32_t size = (int32_t)n;
   for (int32_t y = -1; y <= size; y++) {
@@ -75,7 +75,7 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   assert_int_equal(field->info.relight.links, h->links);
   assert_int_equal(size_bytes, 64 + 108ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links +
                                    8ull * h->blocks + 4ull * (h->sites + 1) + 8ull * h->entries + 4);
-  // Each array begins where the one before it ends.
+  // Each array begins where the array before it ends.
   assert_ptr_equal(d->surfels, h + 1);
   assert_ptr_equal(d->link_starts, d->surfels + h->surfels);
   assert_ptr_equal(d->links, d->link_starts + h->surfels + 1);
@@ -121,14 +121,14 @@ static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16
   }
 }
 
-// The half that a texel's distance is nearest to.
+// Returns the half float that is nearest to a texel's distance.
 static uint16_t distance_code(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const size_t texel = olx_map_index(field->stride, (int32_t)x, (int32_t)y);
   return olx_half_pack(olx_texel_distance(field, probe, texel) / field->distance_scale);
 }
 
-// Points lie within a quarter of a footprint of their planes, whose normals are not far off; what is at no distance is
-// sky.
+// Asserts that points are within a quarter of a footprint of their planes, that the planes' normals are near, and that
+// texels at no distance are sky.
 static void assert_geometry(const olx_field *field, uint32_t probe, const synthetic_geometry *geometry) {
   assert_true(!field->distance && !field->normal && field->planes.count > 0);
   for (uint32_t i = 0; i < geometry->n * geometry->n; i++) {
@@ -236,7 +236,8 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &of_planes);
 }
 
-// A texel of the border is the one inside that it repeats, and rows for those who cannot read blocks are what is read.
+// A border texel equals the inner texel that it repeats, and rows for devices that cannot read blocks equal the decoded
+// texels.
 static void test_texels_of_blocks(void **state) {
   field_fixture *f = *state;
   olx_field *field;
@@ -275,7 +276,7 @@ static void test_texels_of_blocks(void **state) {
   olx_field_close(field);
 }
 
-// Nothing is said of irradiance probes that a field does not have, and what reads probe light says how to get it.
+// A field without irradiance probes reports none, and functions that read probe light say how to get it.
 static void test_opens_without_probe_light(void **state) {
   field_fixture *f = *state;
   size_t size_bytes;
@@ -299,7 +300,8 @@ static void test_opens_without_probe_light(void **state) {
   olx_field_close(field);
 }
 
-// A host that does not ask gets no light from irradiance probes, and hits shaded in place of stored radiance.
+// By default a field without probe light gives no light from irradiance probes, and shades hits instead of reading
+// stored radiance.
 static void test_samples_without_probe_light(void **state) {
   field_fixture *f = *state;
   olx_field *field;
@@ -321,14 +323,14 @@ static void test_samples_without_probe_light(void **state) {
     for (int k = 0; k < 3; k++) assert_true(none[k].x == 0.0f && none[k].y == 0.0f && none[k].z == 0.0f);
   }
   assert_true(reflecting > 0);
-  // Where nothing is stored there is no light, and normal maps change nothing.
+  // Where no light is stored there is none, and normal maps change nothing.
   const olx_vec3 light = olx_surface_irradiance(field, &shaded, olx_v3(90.0f, 90.0f, 90.0f), up, up, up);
   assert_true(light.x == 0.0f && light.y == 0.0f && light.z == 0.0f);
   assert_true(olx_field_irradiance_probe_buried(field, 0));
   olx_field_close(field);
 }
 
-// One near and one far texel, the near one marked as an emitter, change the nodes that hold them and no others.
+// One near and one far texel, with the near one marked as an emitter, change the nodes that contain them and no others.
 static void test_pyramids_bound_their_nodes(void **state) {
   (void)state;
   for (uint32_t n = 8; n <= 2048; n *= 2) {
@@ -408,7 +410,7 @@ static void test_describes(void **state) {
   olx_field_close(field);
 }
 
-// 56 bytes a block: 3.5 a texel where texels take 14 and have borders.
+// A block takes 56 bytes, 3.5 for a texel, where texels take 14 and have borders.
 static void test_describes_blocks(void **state) {
   field_fixture *f = *state;
   olx_field *field;
@@ -486,7 +488,7 @@ static void test_says_which_option_is_missing(void **state) {
   olx_field_close(field);
 }
 
-// A host may pass any number: nothing is read out of bounds, and nothing ends the host.
+// A host may pass any number: nothing is read out of bounds, and the host is not aborted.
 static void test_answers_numbers_out_of_range(void **state) {
   const field_fixture *f = *state;
   olx_field *field;

@@ -10,11 +10,12 @@
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
 
-// Numbers that the packed formats hold exactly. No two of them give the same light, to tell which one was used.
+// The packed formats hold these numbers exactly. No two of them give the same light, so that the test can tell which
+// one was used.
 static const float field_radiance = 2.0f, field_irradiance = 6.25f, field_stored = 5.5f;
 static const float field_albedo = (128.0f / 255.0f) * (128.0f / 255.0f), field_emission = 4.0f;
 
-// What the surfaces of that field reflect of the light that they store.
+// Returns the radiance that the field's surfaces reflect of their stored light.
 static double field_shaded(void) { return (double)(field_albedo * field_stored / OLX_PI); }
 
 static olx_field *uniform_field(uint64_t scene_hash) {
@@ -49,7 +50,7 @@ static olx_scene *unlit_box(const olx_material *walls) {
   return tiny_finish(scene);
 }
 
-// Looks at the middle of the floor under an angle with cosine 0.6.
+// The camera looks at the middle of the floor under an angle with cosine 0.6.
 static const double view_cosine = 0.6;
 static olx_camera narrow_camera(void) { return tiny_camera(olx_v3(0.8f, -0.4f, 0), olx_v3(0, -1, 0), 0.01f); }
 static olx_camera wide_camera(void) { return tiny_camera(olx_v3(0.5f, 0.3f, 0.6f), olx_v3(-0.4f, -0.6f, -0.5f), 70); }
@@ -138,7 +139,7 @@ static void test_surfaces_without_a_specular_lobe_trace_nothing(void **state) {
     olx_render_stats stats;
     ASSERT_OK(olx_render(scene, field, &camera, &settings, NULL, &image, &stats));
     assert_int_equal(stats.field_rays, traced ? 8 * 8 * 2 * 5 : 0);
-    assert_int_equal(stats.rays, 8 * 8 * 2); // the camera's: nothing emits
+    assert_int_equal(stats.rays, 8 * 8 * 2); // only camera rays, since nothing emits
     assert_true(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY) == 0);
     assert_true(stats.seconds > 0 && stats.primary_seconds > 0 && stats.diffuse_seconds > 0);
     olx_image_free(&image);
@@ -152,7 +153,7 @@ static void test_mirror_floor_shows_the_room_in_place(void **state) {
   const olx_material floor = tiny_metal(0.9f, 0), walls = tiny_lambert(0.5f, 0);
   olx_scene *scene = tiny_scene();
   tiny_box(scene, &walls);
-  // A hair above the floor of the box, so that the field's geometry agrees with the scene's.
+  // This quad is slightly above the floor of the box, so that the field's geometry agrees with the scene's.
   tiny_quad(scene, &floor, olx_v3(0, -0.9999f, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0));
   tiny_finish(scene);
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
@@ -164,7 +165,7 @@ static void test_mirror_floor_shows_the_room_in_place(void **state) {
   ASSERT_OK(olx_camera_frame_make(&camera, 48, 48, &frame));
   double error = 0, reference = 0;
   for (uint32_t i = 0; i < 48 * 48; i++) {
-    if (image.layers[OLX_LAYER_INDIRECT_GLOSSY][i].x == 0.0f) continue; // beside the mirror
+    if (image.layers[OLX_LAYER_INDIRECT_GLOSSY][i].x == 0.0f) continue; // a pixel beside the mirror
     const olx_vec3 d = olx_camera_direction(&frame, ((float)(i % 48) + 0.5f) / 48, ((float)(i / 48) + 0.5f) / 48);
     const olx_vec3 on_floor = olx_madd(frame.eye, d, (-0.9999f - frame.eye.y) / d.y);
     const olx_vec3 reflected = olx_v3(d.x, -d.y, d.z);
@@ -231,12 +232,12 @@ static void test_emitters_are_counted_once(void **state) {
   settings.diffuse = OLX_DIFFUSE_TRACED;
   olx_image dark = render_lit(with_lamp, field, &settings);
   mark_everything_as_emitter(field);
-  // Direct light samples emitters, so what is traced leaves out what they emit, and keeps what they reflect.
+  // Direct light samples emitters, so traced light leaves out their emission, and keeps their reflected light.
   olx_image sampled = render_lit(with_lamp, field, &settings);
   const size_t bytes = 16 * 16 * sizeof(olx_vec3);
   assert_memory_equal(sampled.layers[OLX_LAYER_INDIRECT_DIFFUSE], dark.layers[OLX_LAYER_INDIRECT_DIFFUSE], bytes);
   assert_memory_equal(sampled.layers[OLX_LAYER_INDIRECT_GLOSSY], dark.layers[OLX_LAYER_INDIRECT_GLOSSY], bytes);
-  // Traced emitters are in the indirect layers, and direct light is that of the lamps without area alone.
+  // With traced emitters, the indirect layers contain emission, and direct light comes only from lamps without area.
   settings.sample.emitters = true;
   olx_image traced = render_lit(with_lamp, field, &settings);
   const double more = 1 + (double)field_emission / field_shaded();
@@ -270,8 +271,8 @@ static olx_field *bake(const olx_scene *scene, uint32_t bounces, bool fit) {
   return baked_field(scene, &settings, NULL);
 }
 
-// Default pictures read nothing of probe light: with and without it they have the same bytes. What does read it is
-// refused, but for dim lobes beside traced light, which take the light of surfaces.
+// Default pictures do not read probe light: they have the same bytes with and without it. Settings that read it are
+// refused without it, except dim lobes beside traced light, which take the light of surfaces.
 static void test_a_field_without_probe_light_gives_the_same_picture(void **state) {
   (void)state;
   olx_scene *scene = tiny_furnace(0.5f, 1.0f);
@@ -306,7 +307,7 @@ static void test_a_field_without_probe_light_gives_the_same_picture(void **state
   olx_scene_free(scene);
 }
 
-// In a furnace of albedo a and emission 1 a bake with N bounces holds reflected light a + a^2 + ... + a^(N + 1).
+// In a furnace of albedo a and emission 1, a bake with N bounces contains reflected light a + a^2 + ... + a^(N + 1).
 static void test_baked_furnace(void **state) {
   (void)state;
   olx_scene *scene = tiny_furnace(0.5f, 1.0f);
@@ -319,7 +320,7 @@ static void test_baked_furnace(void **state) {
     assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), 0.5 * reflected, 5e-3, "indirect");
     assert_close(tiny_mean(&image, OLX_LAYER_BEAUTY), 1.5 + 0.5 * reflected, 5e-3, "beauty");
     olx_image_free(&image);
-    // With emitters traced instead of sampled the rays find emission and reflected light together.
+    // When emitters are traced instead of sampled, rays find emission and reflected light together.
     settings.sample.emitters = true;
     settings.diffuse = OLX_DIFFUSE_TRACED;
     image = render_lit(scene, field, &settings);
@@ -335,7 +336,7 @@ static void test_baked_furnace(void **state) {
   olx_scene_free(scene);
 }
 
-// A glossy box under a lamp whose walls emit faintly keeps the light that they reflect.
+// In a glossy box under a lamp, walls that emit faintly keep their reflected light.
 static void test_faintly_emitting_box_is_the_path_tracers(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();
@@ -372,7 +373,8 @@ static void test_faintly_emitting_box_is_the_path_tracers(void **state) {
 
 static const olx_vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
-// Where a probe stands nothing is interpolated: a bake without bounces holds what a path tracer finds with one.
+// At a probe's position nothing is interpolated: a bake without bounces has the irradiance that a path tracer finds
+// with one.
 static void test_irradiance_at_probes_is_the_path_tracers(void **state) {
   (void)state;
   olx_scene *scene = lit_box(true);
@@ -416,8 +418,8 @@ static void compare_with_path_tracer(const olx_scene *scene, const olx_field *fi
   olx_image_free(&reference);
 }
 
-// Between probes the light differs by what interpolation loses, and by the reflections that a probe sees from its own
-// place; traced diffuse light has neither.
+// Between probes, light differs by the error of interpolation and by reflections that a probe sees from its own
+// position; traced diffuse light has neither error.
 static void test_baked_room_agrees_with_the_path_tracer(void **state) {
   (void)state;
   olx_scene *scene = lit_box(false);
@@ -427,7 +429,7 @@ static void test_baked_room_agrees_with_the_path_tracer(void **state) {
   olx_scene_free(scene);
 }
 
-// The texels around a lamp hold nothing of its light, or traced rays would count it twice.
+// The texels around a lamp contain none of its light, since traced rays would count it twice.
 static void test_surfaces_beside_a_lamp_hold_none_of_its_light(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();

@@ -1,4 +1,4 @@
-// Tests that the writer of field files refuses what readers would refuse, and leaves nothing half written.
+// Tests that the writer of field files refuses data that readers would refuse, and leaves no incomplete file.
 #include "field_fixture.h"
 
 #include "core/hooks.h"
@@ -41,7 +41,7 @@ static void test_writer_refuses_what_readers_would(void **state) {
   synthetic_header_release(&header);
 }
 
-// Classic maps stand at irradiance probes, and radiance goes with these.
+// Classic maps require irradiance probes, and so does radiance.
 static void test_writer_keeps_probe_light_together(void **state) {
   const field_fixture *f = *state;
   synthetic_shape shape = without_probe_light;
@@ -65,7 +65,7 @@ static void test_writer_keeps_probe_light_together(void **state) {
   assert_int_equal(field_files_in(f->folder), 0);
 }
 
-// Lights come with the header, surfaces with every probe.
+// Lights are part of the header, and surfaces are required with every probe.
 static void test_writer_wants_surfaces(void **state) {
   const field_fixture *f = *state;
   olx_field_header header = synthetic_header(&least);
@@ -126,7 +126,7 @@ static void test_writer_keeps_order(void **state) {
   assert_int_equal(field_files_in(f->folder), 0);
 }
 
-// What relighting needs comes once, after the last surfaces, and where the header said so.
+// Relighting data comes once, after the last surfaces, and only if the header announced it.
 static void test_writer_wants_relighting_last(void **state) {
   const field_fixture *f = *state;
   const char *untimely = "relighting that the header does not have, twice, or before the last surfaces";
@@ -149,7 +149,7 @@ static void test_writer_wants_relighting_last(void **state) {
   olx_field_writer_discard(writer);
   assert_int_equal(field_files_in(f->folder), 0);
 
-  // A structure that readers would refuse is none; one that they would not may still come, but not twice.
+  // A refused structure does not count: a valid one may still follow it, but not twice.
   writer = begin(f, &relit);
   assert_int_equal(synthetic_write_probes(writer, &bare), OLX_OK);
   assert_int_equal(olx_field_writer_relight(writer, data, size_bytes - 4), OLX_ERROR_FORMAT);
@@ -180,11 +180,12 @@ static void test_old_file_survives(void **state) {
   olx_field_writer_discard(begin(f, &small));
   olx_field_writer *writer = begin(f, &small);
   assert_int_equal(synthetic_write_probes(writer, &small), OLX_OK);
-  assert_true(field_files_in(f->folder) <= 2); // the new one has no name, or a temporary one
+  assert_true(field_files_in(f->folder) <= 2); // the new file has no name, or a temporary one
   olx_field_writer_discard(writer);
   assert_int_equal(field_files_in(f->folder), 1);
 
-  // A limit on the size of files is a disk that is full: known at the start, or, where space cannot be reserved, later.
+  // A limit on the size of files acts like a full disk: it is noticed at the start or, where space cannot be reserved,
+  // later.
   struct rlimit limit;
   assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
   void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);

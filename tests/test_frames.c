@@ -1,4 +1,4 @@
-// Tests frames against the renderer that averages camera samples: the same rays must give the same light.
+// Tests frames against the renderer that averages camera samples: the same rays give the same light.
 #include "analytic_field.h"
 #include "baked_field.h"
 #include "tiny_scenes.h"
@@ -52,7 +52,7 @@ static olx_render_settings frame_settings(bool traced) {
   return settings;
 }
 
-// `count` frames from one camera.
+// Renders `count` frames from one camera.
 static olx_image render_frames(const fixture *f, const olx_render_settings *settings, uint32_t count,
                                olx_render_stats *stats) {
   olx_camera cameras[64];
@@ -107,7 +107,7 @@ static void test_a_history_of_frames_is_the_mean_of_their_rays(void **state) {
   olx_image_free(&still);
 }
 
-// Mean squared difference of two layers over the second's mean square.
+// Returns the mean squared difference of two layers relative to the second's mean square.
 static double relative_error(const olx_image *a, const olx_image *b, olx_layer layer) {
   olx_metrics metrics;
   ASSERT_OK(olx_compare(a, b, layer, &metrics));
@@ -168,7 +168,7 @@ static void test_a_moving_camera_keeps_its_history(void **state) {
     error[moving] = relative_error(&image, &truth, OLX_LAYER_INDIRECT_DIFFUSE);
     olx_image_free(&image);
   }
-  // Reprojection mixes neighbours, which lowers noise and blurs a little; without it the error would be that of one
+  // Reprojection averages neighbours, which lowers noise and blurs a little; without it the error would be that of one
   // ray.
   print_message("relative MSE without a filter over pixels: %.2g still, %.2g moving\n", error[0], error[1]);
   assert_true(error[1] < 2 * error[0]);
@@ -207,7 +207,7 @@ static void test_rays_are_one_a_lobe_and_pixel(void **state) {
 static void test_dim_lobes_take_irradiance_in_place_of_rays(void **state) {
   const fixture *f = *state;
   olx_render_settings settings = frame_settings(false);
-  settings.dim_lobe = 1.0f; // all of them
+  settings.dim_lobe = 1.0f; // every lobe counts as dim
   olx_render_stats stats;
   olx_image frame = render_frames(f, &settings, 2, &stats),
             still = tiny_render(f->scene, f->field, &f->camera, &settings);
@@ -217,7 +217,7 @@ static void test_dim_lobes_take_irradiance_in_place_of_rays(void **state) {
   for (size_t i = 0; i < FRAME_PIXELS; i++) assert_true(frame.layers[OLX_LAYER_INDIRECT_GLOSSY][i].x > 0);
   olx_image_free(&frame);
   olx_image_free(&still);
-  // Between the plastic's 4 % (more at grazing angles) and the metal's 70 %.
+  // The limit of dim lobes is between the plastic's 4 % (more at grazing angles) and the metal's 70 %.
   settings.dim_lobe = 0.5f;
   frame = render_frames(f, &settings, 1, &stats);
   assert_true(stats.field_rays > 0 && stats.field_rays < FRAME_PIXELS / 2);
@@ -239,7 +239,7 @@ static void test_traced_emitters_replace_their_direct_light(void **state) {
   assert_true(tiny_mean(&traced, OLX_LAYER_DIRECT) < 0.8 * tiny_mean(&sampled, OLX_LAYER_DIRECT));
   settings.sample.emitters = false;
   olx_image neither = render_frames(f, &settings, 2, NULL);
-  // What emits keeps what it reflects.
+  // Emitters keep their reflected light.
   const double reflected = tiny_mean(&sampled, OLX_LAYER_INDIRECT_DIFFUSE);
   assert_true(reflected > 0.01 && tiny_mean(&neither, OLX_LAYER_INDIRECT_DIFFUSE) == reflected);
   assert_true(tiny_mean(&traced, OLX_LAYER_INDIRECT_DIFFUSE) > reflected + 0.1);
@@ -261,7 +261,7 @@ static void test_emitters_seen_from_behind_are_dark(void **state) {
   olx_scene *scene = tiny_scene();
   const olx_material walls = tiny_plastic(0.5f, 0.5f);
   tiny_box(scene, &walls);
-  // It shines into the room; behind it, where no probe stands, there is a wall 40 cm away.
+  // The light shines into the room; behind it, where there is no probe, is a wall 40 cm away.
   ASSERT_OK(olx_scene_add_rect_light(scene, olx_v3(0, 0, -0.6f), olx_v3(1, 0, 0), olx_v3(0, 1, 0), olx_splat(9)));
   tiny_finish(scene);
   olx_field *field = bake(scene);
@@ -348,7 +348,7 @@ static void test_a_cancelled_run_leaves_nothing(void **state) {
   for (int i = 0; i < 64; i++) cameras[i] = f->camera;
   olx_image image;
   const olx_result result = olx_render_frames(f->scene, f->field, cameras, 64, &settings, &progress, &image, NULL);
-  if (result == OLX_OK) olx_image_free(&image); // done before the first report
+  if (result == OLX_OK) olx_image_free(&image); // the frames were done before the first report
   else assert_true(result == OLX_ERROR_CANCELLED && !image.layers[0]);
 }
 

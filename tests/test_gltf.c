@@ -1,4 +1,4 @@
-// Tests what glTF files hold beyond a square of floats: quantised, sparse and compressed accessors, strips and fans,
+// Tests features of glTF beyond a square of floats: quantised, sparse and compressed accessors, strips and fans,
 // several texture coordinates, vertex colours, tangents, scenes, extensions. Each file is made here and has one
 // feature.
 #include "data_uris.h"
@@ -69,7 +69,7 @@ static olx_vec3 winding_normal(const olx_scene *scene, uint32_t triangle) {
   return olx_normalize(olx_cross(olx_sub(scene->positions[i[1]], a), olx_sub(scene->positions[i[2]], a)));
 }
 
-// The surface that a ray down on the square from z = 1 meets.
+// Returns the surface that a downward ray from z = 1 meets on the square.
 static olx_surface look_at(const olx_scene *scene, float x, float y) {
   const olx_ray ray = {{x, y, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
   const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
@@ -132,7 +132,7 @@ static void points_and_lines_are_left_out_and_counted(void **state) {
                                       "1}, {\"attributes\": {\"POSITION\": 0}, \"mode\": 3}",
                                       "[{\"mesh\": 0}]", ""));
   assert_int_equal(scene->triangle_count, 2);
-  assert_warned(scene, "skipped 9 points and lines"); // 4 points, 2 lines, and 3 of a strip
+  assert_warned(scene, "skipped 9 points and lines"); // 4 points, 2 lines, and 3 points of a strip
   olx_scene_free(scene);
 }
 
@@ -168,7 +168,7 @@ static void without_normals_triangles_are_flat(void **state) {
   gltf_add(&m, indices, sizeof indices, 6, GLTF_UINT8, "SCALAR", false);
   olx_scene *scene =
       load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
-  assert_int_equal(scene->vertex_count, 6); // no normal is shared
+  assert_int_equal(scene->vertex_count, 6); // no two triangles share a normal
   for (uint32_t v = 0; v < 6; ++v) {
     const olx_vec3 n = winding_normal(scene, v / 3);
     assert_vec(scene->normals[scene->indices[v]], n.x, n.y, n.z, 1e-6f);
@@ -207,7 +207,7 @@ static void quantised_vertices_are_those_of_floats(void **state) {
       write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
                   "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
                   ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
-  assert_int_equal(scene->warning_count, 1); // about the albedo of the default material
+  assert_int_equal(scene->warning_count, 1); // a warning about the albedo of the default material
   for (uint32_t v = 0; v < 4; ++v) {
     const float *p = square_positions + 3 * v, *uv = square_uvs + 2 * v;
     assert_vec(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);
@@ -267,7 +267,7 @@ static void sparse_elements_replace_those_of_the_view_or_zeros(void **state) {
   assert_vec(scene->bounds_max, 3, 3, 0, 0);
   assert_int_equal(scene->triangle_count, 2);
   olx_scene_free(scene);
-  // Of zeros and one other corner no triangle can be made.
+  // Zeros and a single other corner make no triangle.
   m = sparse_square("", 2);
   assert_refused(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_EMPTY, "no triangles");
   m = sparse_square("\"bufferView\": 0, ", 4);
@@ -281,7 +281,7 @@ static void accessors_without_data_are_refused(void **state) {
   gltf_add_accessor(&m, "", 4, GLTF_FLOAT, "VEC3");
   assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
                  "accessors[4]: it has no data");
-  // Zeros cost a few bytes in the file and gigabytes in memory.
+  // A sparse accessor's zeros take a few bytes in the file and gigabytes in memory.
   m = (gltf_maker){0};
   add_square(&m);
   gltf_add_accessor(&m,
@@ -311,7 +311,7 @@ static void two_sets_of_texture_coordinates(void **state) {
   assert_vec(top.base_color, 0.95f, 0, 0, 1e-5f);
   assert_vec(top.emission, 0, 0, 1, 1e-5f);
   olx_scene_free(scene);
-  // Where all textures use the second set, it is the only one.
+  // When all textures use the second set, it becomes the only one.
   scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
                            TEXTURED(", \"texCoord\": 1", ", \"texCoord\": 1")));
   assert_null(scene->second_uvs);
@@ -321,8 +321,8 @@ static void two_sets_of_texture_coordinates(void **state) {
 
 #define TRANSFORM(what) ", \"extensions\": {\"KHR_texture_transform\": {" what "}}"
 
-// The example of the extension's specification: of the image, its lower left quarter alone, turned clockwise by 90
-// degrees.
+// The transform is the example of the extension's specification: it selects the lower left quarter of the image, turned
+// clockwise by 90 degrees.
 static void texture_transforms_scale_turn_and_move(void **state) {
   gltf_maker m = {0};
   add_square(&m);
@@ -330,14 +330,14 @@ static void texture_transforms_scale_turn_and_move(void **state) {
       write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
                   TEXTURED(TRANSFORM("\"offset\": [0, 1], \"rotation\": 1.57079632679, \"scale\": [0.5, 0.5]"), "")));
   const olx_vec2 upper_left = scene->uvs[3], upper_right = scene->uvs[2], lower_left = scene->uvs[0];
-  assert_near(upper_left.x, 0.0f, 1e-6f); // (0, 0) goes to the lower left of the image
+  assert_near(upper_left.x, 0.0f, 1e-6f); // (0, 0) is mapped to the lower left of the image
   assert_near(upper_left.y, 1.0f, 1e-6f);
   assert_near(upper_right.x, 0.0f, 1e-6f); // u goes up
   assert_near(upper_right.y, 0.5f, 1e-6f);
   assert_near(lower_left.x, 0.5f, 1e-6f); // v goes right
   assert_near(lower_left.y, 1.0f, 1e-6f);
   assert_vec(look_at(scene, 0.5f, 0.5f).base_color, 0, 0, 0.95f, 1e-5f);
-  assert_vec(look_at(scene, 0.25f, 0.75f).emission, 1, 0, 0, 1e-5f); // which has no transform
+  assert_vec(look_at(scene, 0.25f, 0.75f).emission, 1, 0, 0, 1e-5f); // the emission texture has no transform
   olx_scene_free(scene);
 }
 
@@ -401,7 +401,7 @@ static void vertex_colours_multiply_the_base_colour(void **state) {
   olx_scene *scene = load(path);
   assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.375f, 0.125f, 0, 1e-5f);
   olx_scene_free(scene);
-  // A description's colour is the colour.
+  // A colour in the description replaces vertex colours.
   scene = load(scene_folder_write_text(
       *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"m\": {\"base_color\": [0.25, 0.25, 0.25]}}}"));
   assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.25f, 0.25f, 0.25f, 1e-5f);
@@ -434,7 +434,7 @@ static void the_alpha_of_vertices_masks(void **state) {
   olx_scene_free(scene);
 }
 
-// A normal map of one texel, (1, 0.5, 0.5): normals lie along the tangent.
+// A normal map of one texel, (1, 0.5, 0.5), whose normals point along the tangent.
 #define SIDEWAYS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogID//w=="
 #define BUMPED                                                                                                         \
   ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "   \
@@ -458,7 +458,8 @@ static void tangents_of_the_file_go_before_texture_coordinates(void **state) {
   olx_scene_free(scene);
 }
 
-// (0.5, 1, 0.5): along the bitangent, which a mirror turns round with the picture.
+// A normal map of one texel, (0.5, 1, 0.5), whose normals point along the bitangent, which is reversed where the
+// texture is mirrored.
 #define UPWARDS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogP+A/w=="
 
 static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
@@ -661,7 +662,7 @@ static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
     float low;
   } cases[] = {{"\"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}], \"scene\": 1, ", 2, 5.0f},
                {"\"scenes\": [{\"nodes\": [0]}, {\"nodes\": [1]}], ", 2, 0.0f},
-               {"", 4, 0.0f}}; // without scenes all of it
+               {"", 4, 0.0f}}; // the whole file when it has no scenes
   for (int i = 0; i < 3; ++i) {
     char text[32768];
     snprintf(text, sizeof text,
@@ -843,7 +844,7 @@ static void discard_message(void *user, olx_log_level level, const char *message
   (void)user, (void)level, (void)message;
 }
 
-// A file with a bit of everything, wherever memory ends while it is loaded.
+// Loading a file with a bit of everything fails with a message wherever memory ends.
 static void files_are_refused_when_memory_ends(void **state) {
   const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
               tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};

@@ -1,8 +1,8 @@
-# What gltfpack makes of real models shows the same picture: quantised (KHR_mesh_quantization, KHR_texture_transform),
-# and compressed (-c: EXT_meshopt_compression), also beside its fallback for readers that cannot decompress (-cf).
-# Albedo, normals and depth say so, which have no noise: gltfpack keeps positions to 14 bits, texture coordinates to 12
-# and normals to 8, that is to 0.008, and contours move by a part of a pixel. Skipped without gltfpack (Debian:
-# gltfpack) or the models (OCTALUX_SCENES).
+# Models packed by gltfpack render to the same picture as the originals: quantised (KHR_mesh_quantization,
+# KHR_texture_transform), and compressed (-c: EXT_meshopt_compression), also beside a fallback for readers that cannot
+# decompress (-cf). Albedo, normals and depth are compared, since they have no noise: gltfpack keeps positions to 14
+# bits, texture coordinates to 12 and normals to 8, that is to 0.008, and contours move by a part of a pixel. Skipped
+# without gltfpack (Debian: gltfpack) or the models (OCTALUX_SCENES).
 set -euo pipefail
 command -v gltfpack >/dev/null || { echo "skipped: gltfpack is not here"; exit 77; }
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
@@ -12,15 +12,15 @@ trap 'rm -rf "$work"' EXIT
 
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
-# draw MODEL PICTURE
+# draw MODEL PICTURE: renders the model into the picture.
 draw() { "$OCTALUX" render "$1" -o "$2" --method path --bounces 0 --size 160x90 --spp 16 >/dev/null 2>&1; }
 
-# check MODEL OPTIONS...: packed by them, it looks as it does in plain.exr.
+# check MODEL OPTIONS...: packs the model with these options, and compares its picture with plain.exr.
 check() {
   local packed=$1
   shift
   gltfpack -i "$model" -o "$packed" "$@" >/dev/null
-  rm -f "${packed%.*}.fallback.bin" # nobody needs it who can decompress
+  rm -f "${packed%.*}.fallback.bin" # readers that can decompress need no fallback
   draw "$packed" "$work/packed.exr"
   for limit in albedo:1e-3 normal:2e-4 depth:1e-5; do
     "$OCTALUX" compare "$work/packed.exr" "$work/plain.exr" --layer "${limit%:*}" --json |

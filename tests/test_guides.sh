@@ -1,4 +1,4 @@
-# What the guides tell their readers to type works, in the order of their pages, on a small room.
+# Commands that the guides tell their readers to type work, in the order of their pages, on a small room.
 source "$(dirname "$0")/cli/expect.sh"
 guide=$OCTALUX_SOURCE_DIR/docs/guide
 PATH="$(dirname "$OCTALUX"):$PATH"
@@ -11,7 +11,7 @@ for made in probes.json room.olx room.exr room.png path.exr differences.html roo
   [ -s "$made" ] || fail "the guides promise $made"
 done
 
-# What the pages say of the results.
+# Results agree with the statements of the guides' pages.
 grep -q "a field of about" stdout.txt || fail "place says nothing of the field's size"
 grep -q "bounds" stdout.txt || fail "scene says nothing of bounds"
 expect_json 'abs(o["layers"]["indirect_diffuse"]["bias"]) < 0.03' compare room.exr path.exr --layer indirect_diffuse

@@ -1,4 +1,4 @@
-// Tests irradiance as spherical harmonics: what is in the bands is exact, what is not rings as predicted, and the
+// Tests irradiance as spherical harmonics: functions within the bands are exact, others ring as predicted, and the
 // runtime shows no negative light.
 #include "synthetic_field.h"
 
@@ -24,10 +24,11 @@ static olx_vec3 random_direction(uint32_t i) {
 
 static olx_vec3 axis(void) { return olx_normalize(olx_v3(0.3f, -0.8f, 0.52f)); }
 
-typedef float (*function)(float cosine); // of the angle to the axis, for normals
+typedef float (*function)(float cosine); // a function of the cosine of the angle between normal and axis
 static float even(float c) { return OLX_PI + 0.0f * c; }
-static float lobe(float c) { return OLX_PI * (1.0f + 2.0f / 3.0f * c); }                     // of radiance 1 + c
-static float quadratic(float c) { return lobe(c) + OLX_PI * 0.25f * (3.0f * c * c - 1.0f); } // and 3 c^2 - 1 more
+static float lobe(float c) { return OLX_PI * (1.0f + 2.0f / 3.0f * c); } // irradiance of radiance 1 + c
+// Irradiance with a band of 3 c^2 - 1 added.
+static float quadratic(float c) { return lobe(c) + OLX_PI * 0.25f * (3.0f * c * c - 1.0f); }
 static float sun(float c) { return olx_max(c, 0.0f); }
 
 static void project_at(function f, uint32_t bands, uint32_t size, olx_vec3 *coefficients) {
@@ -69,7 +70,7 @@ static void what_is_in_the_bands_is_exact(void **state) {
     assert_true(greatest_error(even, 3, size) < 1e-5f);
     assert_true(greatest_error(lobe, 3, size) < 1e-5f);
     assert_true(greatest_error(quadratic, 3, size) < 2e-5f);
-    assert_true(greatest_error(quadratic, 2, size) > 1.0f); // that band is cut off: pi/2 at its most
+    assert_true(greatest_error(quadratic, 2, size) > 1.0f); // without the band of 3 c^2 - 1, which is at most pi/2
   }
 }
 
@@ -94,7 +95,8 @@ static void functions_are_orthogonal(void **state) {
   }
 }
 
-// Of light from one direction, max(c, 0), bands keep 1/4 + c/2 and + 5/32 (3 c^2 - 1) (Ramamoorthi and Hanrahan 2001).
+// Of light from one direction, max(c, 0), two bands keep 1/4 + c/2, and three bands 5/32 (3 c^2 - 1) more (Ramamoorthi
+// and Hanrahan 2001).
 static void a_sun_rings(void **state) {
   (void)state;
   olx_vec3 two[OLX_HARMONICS_MOST], three[OLX_HARMONICS_MOST];
@@ -109,14 +111,14 @@ static void a_sun_rings(void **state) {
     assert_float_equal(found[1], kept + 5.0f / 32.0f * (3.0f * c * c - 1.0f), 1e-3f);
     for (uint32_t k = 0; k < 2; k++) least[k] = olx_min(least[k], found[k]);
   }
-  assert_float_equal(least[0], -0.25f, 5e-3f);                                // away from the sun
-  assert_float_equal(least[1], -0.0396f, 2e-3f);                              // a little beyond the terminator
-  assert_float_equal(evaluate(three, 3, olx_negate(axis())), 0.0625f, 1e-3f); // and light on the far side
+  assert_float_equal(least[0], -0.25f, 5e-3f);   // two bands: opposite to the sun
+  assert_float_equal(least[1], -0.0396f, 2e-3f); // three bands: a little beyond the terminator
+  assert_float_equal(evaluate(three, 3, olx_negate(axis())), 0.0625f, 1e-3f); // three bands: light opposite to the sun
 }
 
 static olx_vec3 uniform(void) { return olx_v3(1.0f, 2.0f, 0.5f); }
 
-// From radiance, through the baker's own irradiance, the projection and the file's halves.
+// Uniform radiance passes through the baker's irradiance, the projection and the file's half floats.
 static void a_constant_environment_is_pi_l(void **state) {
   (void)state;
   const uint32_t n = 8;
@@ -136,7 +138,7 @@ static void a_constant_environment_is_pi_l(void **state) {
       float values[OLX_HARMONICS_MOST];
       olx_harmonics_at(random_direction(i), values);
       const olx_vec3 found = olx_harmonics_irradiance(halves, bands, values);
-      assert_float_equal(found.x / OLX_PI, 1.0f, 6e-4f); // a half's 2^-11, and what is left of the other bands
+      assert_float_equal(found.x / OLX_PI, 1.0f, 6e-4f); // the 2^-11 of a half float, and the remainder of other bands
       assert_float_equal(found.y / OLX_PI, 2.0f, 12e-4f);
       assert_float_equal(found.z / OLX_PI, 0.5f, 3e-4f);
     }
@@ -161,7 +163,8 @@ static void packing_keeps_numbers_possible(void **state) {
   }
 }
 
-// Interpolated irradiance is the weighted sum of what probes hold, cut off at 0, with the weights that maps would have.
+// Interpolated irradiance is the weighted sum of the probes' harmonics, clamped at 0, with the same weights as for
+// maps.
 static void the_runtime_shows_no_negative_light(void **state) {
   (void)state;
   char path[] = "/tmp/octalux-harmonics-XXXXXX";

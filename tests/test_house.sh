@@ -1,5 +1,5 @@
-# The checks of the house find what they are there to find: each fault, planted in a clean tree, is reported; and the
-# counts of a test report come out right.
+# The checks of the house rules find what they are for: each fault, added to a clean tree, is reported; and the counts
+# of a test report are right.
 set -euo pipefail
 check=$OCTALUX_SOURCE_DIR/scripts/check_layers.py
 count=$OCTALUX_SOURCE_DIR/scripts/count_tests.py
@@ -26,7 +26,7 @@ clean_tree() {
   printf '# Read me\n[code](src/core), [a file](src/core/vec.h), [here](#read-me), [there](https://example.com/x)\n' >README.md
 }
 
-# planted WHERE LINE: the tree with that line added has exactly one violation, in that file.
+# planted WHERE LINE: checks that the tree with that line added has exactly one violation, in that file.
 planted() {
   clean_tree
   printf '%s\n' "$2" >>"$1"
@@ -83,11 +83,12 @@ XML
 counts=$(python3 "$count" "$work/report.xml" 2>/dev/null)
 [ "$counts" = "16 3 2" ] || { echo "counted $counts"; failed=1; }
 
-# The README's program is one, and within its warnings.
+# The README's program compiles without warnings.
 sed -n '/^```c$/,/^```$/{/^```/!p}' "$OCTALUX_SOURCE_DIR/README.md" >"$work/readme.c"
 [ -s "$work/readme.c" ] && gcc -std=c17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I"$OCTALUX_SOURCE_DIR/include" "$work/readme.c" || failed=1
 
-# install-packages.sh with a system made up: which packages are missing, who asks, what is run.
+# install-packages.sh on an imitated system: which packages are missing, which user runs it, and the commands that it
+# runs.
 install=$OCTALUX_SOURCE_DIR/scripts/install-packages.sh
 bash=$(command -v bash)
 mkdir "$work/bin"
@@ -97,12 +98,13 @@ printf '#!%s\necho "apt-get $*" >>"$CALLS"\n' "$bash" >"$work/bin/apt-get"
 printf '#!%s\nwhile [[ $1 == *=* ]]; do shift; done\n"$@"\n' "$bash" >"$work/bin/env"
 chmod +x "$work"/bin/*
 
-# installs MISSING USER-ID [LIST]: runs it, leaves its messages in $work/out and calls of apt-get in $work/calls.
+# installs MISSING USER-ID [LIST]: runs the script, with its messages in $work/out and the calls of apt-get in
+# $work/calls.
 installs() {
   : >"$work/calls"
   MISSING=$1 USER_ID=$2 CALLS=$work/calls PATH=$work/bin "$bash" "$install" ${3:+"$3"} >"$work/out" 2>&1
 }
-# complain WORDS: says what is wrong, with the messages and the calls.
+# complain WORDS: reports a failure, with the messages and the calls.
 complain() {
   echo "$1: $(cat "$work/out" "$work/calls")"
   failed=1
@@ -119,7 +121,7 @@ installs libembree-dev 0 || complain "root could not install"
 [ "$(sed 's/.* update/update/; s/.* install .* /install /' "$work/calls" | tr '\n' ';')" = "update;install libembree-dev;" ] ||
   complain "root ran something else"
 
-# Building needs nothing of what tests and tools need, and goes on without a package whose part can be left out.
+# Building needs no package that only tests and tools need, and continues without a package whose part can be left out.
 for package in clang clang-tidy clang-format libcmocka-dev python3 python3-numpy python3-venv vulkan-validationlayers mesa-vulkan-drivers xvfb chromium \
   nodejs npm lld glslang-tools; do
   installs $package 0 build && [ ! -s "$work/calls" ] || complain "building wants $package"
@@ -135,7 +137,7 @@ printf '#!%s\necho "apt-get $*" >>"$CALLS"\n[ "${!#}" != "$MISSING" ]\n' "$bash"
 installs glslc 0 build && grep -q "glslc cannot be had" "$work/out" || complain "building stops at glslc"
 installs libembree-dev 0 build && complain "went on without Embree"
 
-# A limit counts the processor's time, not the clock's, and every test has one.
+# A limit counts processor time, not the clock's, and every test has one.
 limited=$OCTALUX_SOURCE_DIR/scripts/limited.sh
 [ "$(bash "$limited" 1 bash -c 'sleep 2; echo slept')" = slept ] || { echo "a limit counts time asleep"; failed=1; }
 if { bash "$limited" 1 bash -c 'while :; do :; done'; } 2>/dev/null; then echo "a limit does not hold"; failed=1; fi
@@ -151,7 +153,7 @@ for test in json.load(open(sys.argv[1]))["tests"]:
 PYTHON
 fi
 
-# The gate's last line and exit status are those of the check, whoever runs it.
+# The gate's last line and exit status are those of the check, whatever runs it.
 mkdir -p "$work"/gate/{.ci,scripts}
 cp "$OCTALUX_SOURCE_DIR/.ci/run" "$work/gate/.ci"
 cp "$OCTALUX_SOURCE_DIR/Makefile" "$work/gate"

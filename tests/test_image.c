@@ -22,7 +22,8 @@
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
-#pragma GCC diagnostic ignored "-Wunused-function" // judged at the end of the file, so it cannot be popped
+// Not within push and pop, since it is reported at the end of the file.
+#pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wpedantic"
@@ -101,7 +102,7 @@ static void assert_same_image(const olx_image *a, const olx_image *b) {
 
 static void an_exr_gives_back_every_bit_of_every_layer(void **state) {
   (void)state;
-  // Sizes below, at and past a ZIP block of 16 lines.
+  // The heights are below, at and above a ZIP block of 16 lines.
   static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {17, 16}, {64, 33}};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
     olx_image image = make_image(sizes[i][0], sizes[i][1], ALL_LAYERS), loaded;
@@ -332,7 +333,7 @@ static void a_heat_map_is_black_where_images_agree_and_bright_where_not(void **s
   olx_image_free(&b);
 }
 
-// A file of one part written with OpenEXR itself: half floats, another compression, a data window away from the origin.
+// Writes a file of one part with OpenEXR itself: half floats, another compression, a data window away from the origin.
 static void write_foreign_exr(const char *path, exr_storage_t storage, exr_pixel_type_t type,
                               exr_compression_t compression, bool with_blue, const uint16_t *pixels, int32_t width,
                               int32_t height) {
@@ -387,7 +388,8 @@ static void half_float_images_of_other_programs_are_read(void **state) {
   (void)state;
   enum { width = 21, height = 40 };
   uint16_t pixels[3 * width * height];
-  for (int i = 0; i < 3 * width * height; ++i) pixels[i] = (uint16_t)(0x3c00 + i % 1024); // 1 + (i mod 1024) / 1024
+  // Half floats of 1 + (i mod 1024) / 1024.
+  for (int i = 0; i < 3 * width * height; ++i) pixels[i] = (uint16_t)(0x3c00 + i % 1024);
   const exr_compression_t compressions[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
                                             EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ};
   for (size_t c = 0; c < sizeof compressions / sizeof compressions[0]; ++c) {
@@ -478,7 +480,7 @@ static void a_small_file_cannot_claim_a_huge_image(void **state) {
   static const char name[] = "dataWindow\0box2i";
   uint8_t *window = memmem(bytes, size_bytes, name, sizeof name);
   assert_non_null(window);
-  window += sizeof name + 4; // past the attribute's size: min x, min y, max x, max y
+  window += sizeof name + 4; // behind the attribute's size: min x, min y, max x, max y
   static const int32_t windows[][4] = {{0, 0, 16383, 16383}, {0, 0, 1 << 30, 1 << 30},
                                        {0, 0, INT32_MAX, 3}, {INT32_MIN, 0, INT32_MAX, 19},
                                        {5, 5, 2, 2},         {0, INT32_MIN, 8, -2}};

@@ -1,6 +1,6 @@
-// Tests that imports do not grow faster than their input: what a small file describes is counted before memory is spent
-// on it, refused with a message that says how to raise the limit, and loaded once the limit is raised. A model reads no
-// files outside.
+// Tests that imports need no more than in proportion to their input: what a small file describes is counted before
+// memory is allocated for it, refused with a message that says how to raise the limit, and loaded once the limit is
+// raised. A model reads no files outside its folder.
 #include "core/file.h"
 #include "core/hooks.h"
 #include "gltf_maker.h"
@@ -19,7 +19,7 @@
 
 #include <cmocka.h>
 
-// A text that is printed into piece by piece.
+// A text that grows as it is printed to.
 typedef struct text {
   char *data;
   size_t size;
@@ -45,7 +45,8 @@ static olx_scene *load_with(const char *path, const olx_scene_load_settings *set
   return scene;
 }
 
-// Refused by the defaults, with all of `parts` in the message; loaded with the limits `enough`.
+// Checks that a file is refused by the default limits, with all of `parts` in the message; returns the scene loaded
+// with the limits `enough`.
 static olx_scene *refused_then_loaded(const char *path, const char *const *parts, olx_scene_limits enough) {
   olx_scene *scene = NULL;
   assert_int_equal(olx_scene_load(path, &scene), OLX_ERROR_UNSUPPORTED);
@@ -77,7 +78,7 @@ static void test_polygons(void **state) {
   assert_int_equal(scene->triangle_count, 2098);
   olx_scene_free(scene);
   olx_scene_free(load_with(write_polygon(*state, 2048, false), NULL));
-  // Assimp joins lines at a backslash, so the polygon is as large.
+  // Assimp joins lines at a backslash, so a polygon that continues over many lines is refused, too.
   assert_int_equal(olx_scene_load(write_polygon(*state, 2100, true), &scene), OLX_ERROR_UNSUPPORTED);
 }
 
@@ -98,7 +99,7 @@ static void test_materials_of_obj(void **state) {
   olx_scene_free(scene);
 }
 
-// A library of materials that nobody uses costs as much.
+// A library of materials that no face uses counts as well.
 static void test_material_library(void **state) {
   text library;
   text_begin(&library);
@@ -152,7 +153,7 @@ static void test_nodes(void **state) {
   olx_scene_free(refused_then_loaded(write_gltf_nodes(*state, 32769, "{}"), parts, (olx_scene_limits){.nodes = 40000}));
 }
 
-// Every instance is made of triangles of its own: 2 x 1000 here.
+// Every instance has triangles of its own: 2 x 1000 here.
 static void test_instances(void **state) {
   olx_scene *scene;
   const char *path = write_gltf_nodes(*state, 1000, "{\"mesh\": 0}");
@@ -162,7 +163,7 @@ static void test_instances(void **state) {
   olx_scene_free(load_with(path, &enough));
 }
 
-// A point costs no triangle to draw, but an instance of it time to read.
+// A primitive of points adds no triangles, but each of its instances takes time to read.
 static void test_primitives(void **state) {
   const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   gltf_maker m = {0};
@@ -209,12 +210,12 @@ static void put_chunk(FILE *stream, const char *type, const uint8_t *data, uint3
   fwrite(sum, 1, 4, stream);
 }
 
-// A black RGBA PNG of side x side texels.
+// Writes a black RGBA PNG of side x side texels.
 static void write_png(const scene_folder *folder, const char *name, uint32_t side) {
   const uint8_t s[4] = {(uint8_t)(side >> 24), (uint8_t)(side >> 16), (uint8_t)(side >> 8), (uint8_t)side};
   const uint8_t header[13] = {s[0], s[1], s[2], s[3], s[0], s[1], s[2], s[3], 8, 6, 0, 0, 0};
   const size_t row_bytes = (size_t)side * 4 + 1;
-  const uint32_t rows = side <= 1024 ? side : 1; // what is refused by its header needs no more
+  const uint32_t rows = side <= 1024 ? side : 1; // one row is enough for a file that is refused by its header
   uint8_t *raw = calloc(rows, row_bytes);
   uLongf packed_bytes = compressBound((uLong)(rows * row_bytes));
   uint8_t *packed = malloc(packed_bytes);
@@ -244,7 +245,7 @@ static void test_texels(void **state) {
   olx_scene_free(scene);
 }
 
-// Before, stb_image's "too large" was the reason, and 16384 the unspoken limit.
+// The message names the library's own limit, not stb_image's "too large".
 static void test_large_image(void **state) {
   write_png(*state, "large.png", 30000);
   scene_folder_write_text(*state, "square.mtl", "newmtl square\nmap_Kd large.png\n");
@@ -256,7 +257,7 @@ static void test_large_image(void **state) {
   olx_scene_free(scene);
 }
 
-// stb_image would write a table of more than 256 codes beyond its end.
+// stb_image alone would write a table of more than 256 codes beyond its end.
 static void test_damaged_jpeg(void **state) {
   uint8_t jpeg[512] = {0xFF, 0xD8, 0xFF, 0xFE, 0, 6, 0xFF, 0xC4, 9, 9, 0xFF, 0xC4, 1, 0x13, 0x00};
   jpeg[17] = 200;
@@ -264,13 +265,13 @@ static void test_damaged_jpeg(void **state) {
   olx_texture texture;
   assert_int_equal(olx_texture_load("damaged.jpg", jpeg, sizeof jpeg, OLX_TEXTURE_COLOR, &texture), OLX_ERROR_FORMAT);
   assert_non_null(strstr(olx_last_error(), "damaged.jpg: a Huffman table of this JPEG is damaged"));
-  jpeg[18] = 56; // the table is in order, the rest of the image is missing
+  jpeg[18] = 56; // the table is valid, while the rest of the image is missing
   assert_int_equal(olx_texture_load("damaged.jpg", jpeg, sizeof jpeg, OLX_TEXTURE_COLOR, &texture), OLX_ERROR_FORMAT);
   assert_null(strstr(olx_last_error(), "Huffman table"));
   (void)state;
 }
 
-// stb_image would take the memory that the chunk claims.
+// stb_image alone would allocate the memory that the chunk claims.
 static void test_damaged_png(void **state) {
   uint8_t png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\0\0\0\0\x3a\x7e\x9b\x55"
                   "\0\0\0\x0aIDAT\x78\x9c\x63\x68\0\0\0\x82\0\x81\x77\xcd\x72\xb6\0\0\0\0IEND\xae\x42\x60\x82";
@@ -278,7 +279,7 @@ static void test_damaged_png(void **state) {
   assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_OK);
   assert_int_equal(texture.texels[0], 128);
   olx_release(texture.texels);
-  png[33] = 0x62; // the length of the data
+  png[33] = 0x62; // a wrong length of the data
   assert_int_equal(olx_texture_load("one.png", png, sizeof png - 1, OLX_TEXTURE_DATA, &texture), OLX_ERROR_FORMAT);
   assert_non_null(strstr(olx_last_error(), "one.png: a chunk of this PNG is longer than the file"));
   (void)state;
@@ -294,9 +295,9 @@ static olx_result load_radiance(const char *rows, size_t size_bytes) {
   return result;
 }
 
-// stb_image would wait for ever for texels that do not come, and take what lies in memory for texels.
+// stb_image alone would wait forever for missing texels, and read uninitialised memory as texels.
 static void test_damaged_radiance(void **state) {
-  // Two rows of runs: one of 8 texels each for red, green, blue and the exponent; then 8 stored ones.
+  // The image has two rows of runs: one of 8 texels each for red, green, blue and the exponent; then 8 stored ones.
   static const char runs[] = "\x02\x02\x00\x08\x88\x40\x88\x50\x88\x60\x88\x81"
                              "\x02\x02\x00\x08\x08"
                              "abcdefgh"
@@ -309,17 +310,17 @@ static void test_damaged_radiance(void **state) {
     assert_int_equal(load_radiance(rows, size_bytes), OLX_ERROR_FORMAT);
   }
   assert_non_null(strstr(olx_last_error(), "sky.hdr: the texels of this Radiance image are damaged or end early"));
-  rows[4] = 0; // a run of nothing
+  rows[4] = 0; // a run of length 0
   assert_int_equal(load_radiance(rows, sizeof runs - 1), OLX_ERROR_FORMAT);
-  rows[4] = (char)0x89; // beyond the row
+  rows[4] = (char)0x89; // a run beyond the row's end
   assert_int_equal(load_radiance(rows, sizeof runs - 1), OLX_ERROR_FORMAT);
-  memset(rows, 'a', sizeof rows); // no runs
+  memset(rows, 'a', sizeof rows); // an image without runs
   assert_int_equal(load_radiance(rows, 64), OLX_OK);
   assert_int_equal(load_radiance(rows, 63), OLX_ERROR_FORMAT);
   (void)state;
 }
 
-// Materials of one masked texture share what is kept of its alpha.
+// Materials with the same masked texture share what is kept of its alpha.
 static void test_masks(void **state) {
   uint8_t tga[34];
   scene_folder_write(*state, "t.tga", tga, scene_files_tga(tga));
@@ -336,11 +337,11 @@ static void test_masks(void **state) {
                                              "\"a\": {\"base_color\": [0.5, 0.5, 0.5]}}}");
   olx_scene *scene = load_with(path, NULL);
   assert_int_equal(scene->material_count, 2);
-  assert_int_equal(scene->texture_count, 4); // one of each model, and its alpha
+  assert_int_equal(scene->texture_count, 4); // one texture of each model, and its alpha
   olx_scene_free(scene);
 }
 
-// A model in folder/models/deep, and images beside it, in a sibling folder, and beyond.
+// Makes a model in folder/models/deep, and images beside it, in a sibling folder, and outside.
 static void make_folders(const scene_folder *folder, char *deep, size_t size) {
   snprintf(deep, size, "%s/models", folder->path);
   assert_int_equal(mkdir(deep, 0700), 0);
@@ -389,7 +390,7 @@ static void test_outside_images(void **state) {
     assert_int_equal(load_textured(folder, outside[i], true, &textures), OLX_OK);
     assert_int_equal(textures, 1);
   }
-  // A file that is not there is a missing texture, wherever it would be.
+  // A file that does not exist is a missing texture, even outside.
   assert_int_equal(load_textured(folder, "../../../../nothing/here.tga", false, &textures), OLX_OK);
 }
 

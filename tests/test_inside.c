@@ -1,5 +1,5 @@
-// Tests which places are inside geometry: placement and baking agree on it, and in every scene in which a grid bakes
-// probes can be placed.
+// Tests which points are inside geometry: placement and baking agree on it, and probes can be placed in every scene in
+// which a grid can be baked.
 #include "baked_field.h"
 #include "field/field_data.h"
 #include "scene_files.h"
@@ -8,7 +8,7 @@
 #include <octalux/bake.h>
 #include <octalux/place.h>
 
-// A closed box of two metres, its faces wound to be seen from outside, or from inside.
+// Makes a closed box of two metres, its faces wound to be seen from outside, or from inside.
 static olx_scene *closed_box(const scene_folder *folder, bool outwards, const char *more) {
   const char *faces = outwards ? "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
                                : "f 3 4 2 1\nf 6 8 7 5\nf 2 6 5 1\nf 7 8 4 3\nf 5 7 3 1\nf 4 8 6 2\n";
@@ -27,13 +27,13 @@ static olx_bake_settings tiny_bake(const olx_scene *scene) {
   settings.radiance_size = settings.irradiance_size = 8;
   settings.samples = 1;
   settings.bounces = 0;
-  settings.light = OLX_LIGHT_REFERENCE; // what probes see of it is of no concern
+  settings.light = OLX_LIGHT_REFERENCE; // light does not matter here, so the cheapest solver will do
   settings.reference_paths = 1;
   settings.fit = false;
   return settings;
 }
 
-// Bake what was placed: each probe is free for both, or for neither.
+// Bakes the placed probes, and asserts that bake and placement agree on each probe whether it is free.
 static uint32_t assert_same_probes_free(const olx_scene *scene, const olx_probe_set *set, olx_grid irradiance_grid) {
   olx_vec3 *positions = olx_allocate(set->count, sizeof *positions);
   for (uint32_t i = 0; i < set->count; i++) positions[i] = set->probes[i].position;
@@ -74,7 +74,7 @@ static void a_closed_box_is_placed_in_however_it_is_wound(void **state) {
   }
 }
 
-// Irradiance probes beyond the walls must not decide about the probes within, where the camera is.
+// Irradiance probes outside the walls must not decide whether probes inside, where the camera is, are buried.
 static void probes_elsewhere_bury_none(void **state) {
   olx_scene *scene = closed_box(*state, true, ", \"cameras\": [{\"eye\": [0, 0, 0.5], \"target\": [0, 0, -1]}]");
   const olx_place_settings settings = quick_place(scene);
@@ -86,8 +86,8 @@ static void probes_elsewhere_bury_none(void **state) {
   olx_scene_free(scene);
 }
 
-// A room whose wall has a hole, within a closed hull: the space between them is behind the scenery although it sees no
-// sky.
+// Makes a room whose wall has a hole, within a closed hull: the space between them is behind surfaces although it sees
+// no sky.
 static olx_scene *room_in_a_hull(const scene_folder *folder) {
   (void)scene_folder_write_text(
       folder, "hull.obj",
@@ -118,7 +118,7 @@ static void space_behind_walls_gets_no_probes(void **state) {
   olx_scene_free(scene);
 }
 
-// A grid over a whole scene has probes inside its solids, and both find the same ones.
+// Asserts that placement and baking find the same probes of a grid over a whole scene to be inside solids.
 static void assert_grid_agrees(const char *name, const uint32_t counts[3], bool some) {
   olx_scene *scene = NULL;
   ASSERT_OK(olx_scene_load(name, &scene));

@@ -1,5 +1,5 @@
-# A bake that is interrupted or killed leaves the old file or the new one, never half of one, and nothing else: neither
-# with unnamed temporary files nor, after the next output, with named ones. test_kill.sh [ROUNDS].
+# A bake that is interrupted or killed leaves the old file or the new one, never half of one, and no other files:
+# neither with unnamed temporary files nor, after the next output, with named ones. test_kill.sh [ROUNDS].
 set -euo pipefail
 set -m # without job control bash makes children ignore SIGINT
 rounds=${1:-4}
@@ -19,15 +19,15 @@ start=$(date +%s%N)
 bake_ms=$((($(date +%s%N) - start) / 1000000))
 sum=$(sha256sum <"$work/field.olx")
 
-# kill_bake SIGNAL MILLISECONDS PRELOADED: a bake gets the signal; its exit status is in $status. With a library
-# preloaded the time counts from when its temporary file has a name: one that an earlier bake left behind does not
-# count.
+# kill_bake SIGNAL MILLISECONDS PRELOADED: sends the signal to a bake; its exit status is in $status. With a preloaded
+# library, the time counts from the moment when the bake's own temporary file has a name.
 kill_bake() {
   local before
   before=$(ls -A "$work")
   LD_PRELOAD=$3 "${bake[@]}" >/dev/null 2>&1 &
   local child=$!
-  # Until it is the program: a signal before that would meet a copy of this shell, which tidies up as this one does.
+  # Waits until the process has become octalux: an earlier signal would reach a copy of this shell, which would run the
+  # clean-up of this one.
   while [ "$(cat "/proc/$child/comm" 2>/dev/null)" = bash ]; do :; done
   if [ -n "$3" ]; then
     while [ "$(ls -A "$work")" = "$before" ] && kill -0 "$child" 2>/dev/null; do sleep 0.01; done
@@ -39,7 +39,7 @@ kill_bake() {
   wait "$child" 2>/dev/null || status=$?
 }
 
-# Whether the field is as it was, and alone.
+# check_left WORDS: checks that the field is unchanged, valid, and the only file.
 check_left() {
   [ "$(sha256sum <"$work/field.olx")" = "$sum" ] || fail "$1: the file changed"
   "$OCTALUX" verify "$work/field.olx" >/dev/null || fail "$1: the file is broken"
@@ -47,18 +47,19 @@ check_left() {
 }
 
 for ((round = 0; round < rounds; round++)); do
-  # Moments spread over the whole bake, its start and its end included.
+  # Signals are spread over the whole bake, including its start and its end.
   delay_ms=$((bake_ms * (2 * round + 1) / (2 * rounds)))
   for signal in KILL HUP INT TERM XFSZ; do
     kill_bake $signal $delay_ms ""
     check_left "SIG$signal after $delay_ms ms"
-    # The first moment lies well inside the bake; a late one may come after its end. SIGXFSZ is an error of writing.
+    # The first signal comes well before the bake's end; a late one may come after it. SIGXFSZ leads to an error of
+    # writing.
     [ "$signal" = XFSZ ] || [ "$status" -ne 0 ] || [ "$round" -gt 0 ] ||
       fail "SIG$signal after $delay_ms ms: exit status 0"
   done
 done
 
-# A limit on the size of files acts like a full disk: an error, wherever it is noticed.
+# A limit on the size of files acts like a full disk: it causes an error, wherever it is noticed.
 status=0
 (ulimit -f 64 && "${bake[@]}") >/dev/null 2>"$work.txt" || status=$?
 [ "$status" = 1 ] && grep -q "field.olx: cannot" "$work.txt" ||
@@ -66,7 +67,7 @@ status=0
 rm -f "$work.txt"
 check_left "a limit of sizes"
 
-# Named files go with the program when it may tidy up, and with the next output when it was killed.
+# Named temporary files are removed by the program when it can do so, and by the next output when it was killed.
 named=0
 for signal in KILL HUP TERM; do
   kill_bake $signal $((bake_ms / 8)) "$OCTALUX_NAMED_FILES"

@@ -1,4 +1,4 @@
-// Light that goes over links, bounce after bounce: its sums, and that solving goes on from between any two bounces to
+// Light that is passed over links, bounce after bounce: its sums, and that solving resumes between any two bounces with
 // the same bits.
 #include "core/hooks.h"
 #include "core/result.h"
@@ -14,7 +14,7 @@
 
 enum { SURFELS = 3, RAYS = 2, BOUNCES = 64 };
 
-// Surfel 0 is lit; 0 and 1 see each other, 1 sees 2, 2 sees 0; of chains of mirrors there is one.
+// Links in a ring: surfel 0 is lit, 0 and 1 see each other, 1 sees 2, and 2 sees 0; there is one chain of mirrors.
 typedef struct ring {
   olx_link links[SURFELS * RAYS];
   olx_fixed_light fixed[SURFELS];
@@ -42,7 +42,7 @@ static void make_ring(ring *r) {
   r->all = (olx_light_links){.batches = &r->batch, .batch_count = 1, .fixed = r->fixed, .worth = r->worth};
 }
 
-// Keeps the light after some bounce, and cancels there.
+// A callback's state that keeps the light after some bounce, and cancels there.
 typedef struct keeper {
   uint32_t at;
   bool loads;
@@ -86,10 +86,10 @@ static void light_of_a_few_bounces_is_a_sum_over_paths(void **state) {
   const olx_bounce_keeper none = {&(keeper){.at = UINT32_MAX}, load, save};
   assert_int_equal(olx_bounces_solve(&r.all, SURFELS, 1, r.direct, 2, &none, r.irradiance, r.passed_on, &done), OLX_OK);
   assert_int_equal(done, 2);
-  assert_true(r.irradiance[1].x == 4.0f * 0.25f);            // one surface: from 0
-  assert_true(r.irradiance[0].x == 4.0f * 0.25f * 0.375f);   // two: from 0 to 1 and back
-  assert_true(r.irradiance[2].x == 4.0f * 0.25f * 0.46875f); // two: from 0 over 1
-  assert_true(r.passed_on[1].x == r.irradiance[1].x);        // no direct light, and one bounce
+  assert_true(r.irradiance[1].x == 4.0f * 0.25f);            // one reflection: from surfel 0
+  assert_true(r.irradiance[0].x == 4.0f * 0.25f * 0.375f);   // two reflections: from surfel 0 to 1 and back
+  assert_true(r.irradiance[2].x == 4.0f * 0.25f * 0.46875f); // two reflections: from surfel 0 over 1
+  assert_true(r.passed_on[1].x == r.irradiance[1].x);        // no direct light, and the light of one bounce
   assert_true(r.passed_on[0].x == 4.0f);
 }
 
@@ -99,7 +99,7 @@ static void solving_goes_on_after_any_bounce(void **state) {
   uint32_t done, bounces;
   make_ring(&whole);
   assert_int_equal(solve(&whole, NULL, &bounces), OLX_OK);
-  assert_in_range(bounces, OLX_BOUNCES_KEPT + 2, BOUNCES - 1); // until one brings less than a thousandth
+  assert_in_range(bounces, OLX_BOUNCES_KEPT + 2, BOUNCES - 1); // ends when a bounce adds less than a thousandth
   for (uint32_t at = 1; at < bounces; at++) {
     keeper k = {.at = at};
     make_ring(&parted);

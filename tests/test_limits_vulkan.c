@@ -1,4 +1,4 @@
-// Tests what the library needs of a device: memory and bindings are reported before and kept within, a device that
+// Tests what the library needs of a device: memory and bindings are reported beforehand and not exceeded, a device that
 // fails gives errors, and nothing is left behind.
 #include "core/hooks.h"
 #include "field/field_writer.h"
@@ -33,7 +33,7 @@ static host_images make_images(uint32_t width, uint32_t height, VkFormat normal)
   return h;
 }
 
-// Vulkan functions that fail at the n-th call of a kind.
+// Replacements of Vulkan functions that fail at the n-th call.
 static PFN_vkAllocateMemory real_allocate;
 static PFN_vkFreeMemory real_free;
 static int allocations_left, memory_held;
@@ -92,7 +92,7 @@ static void running_out_of_memory_leaves_nothing_behind(void **unused) {
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_field_measure(&device.host, field, &sizes), OLX_OK);
   assert_true(sizes.device_bytes >= 8 * (18 * 18 * 8 + 10 * 10 * 8) && sizes.staging_bytes > 0);
-  for (int n = 0; n <= (int)sizes.allocations; n++) { // the staging memory is the last
+  for (int n = 0; n <= (int)sizes.allocations; n++) { // the last allocation is the staging memory
     const olx_vulkan_host host = failing_host(n, false);
     olx_vulkan_field *uploaded = (void *)1;
     assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_ERROR_MEMORY);
@@ -123,8 +123,8 @@ static void a_lost_device_is_reported(void **unused) {
   analytic_field_free(field);
 }
 
-// What a bake says beforehand is what the device holds, but for alignment, places of maps that are left free, and
-// probes.
+// Asserts that the size a bake reports beforehand is the size on the device, except for alignment, unused slots of
+// maps, and probes.
 static void assert_planned(const olx_field *field, uint64_t device_bytes) {
   olx_field_header header = {.info = field->info};
   olx_field_layout layout;
@@ -133,7 +133,7 @@ static void assert_planned(const olx_field *field, uint64_t device_bytes) {
   assert_true(device_bytes >= layout.device_bytes && device_bytes <= 2 * layout.device_bytes + 0x100000);
 }
 
-// Whether measuring a field tells what creating it, and its classic maps, allocates.
+// Asserts that measuring a field gives the sizes that creating it, and its classic maps, allocates.
 static void assert_measured(const olx_field *field) {
   olx_vulkan_sizes sizes;
   assert_int_equal(olx_vulkan_field_measure(&device.host, field, &sizes), OLX_OK);
@@ -178,7 +178,7 @@ static void all_memory_is_told_before(void **unused) {
   olx_release(words);
 }
 
-// What Vulkan promises a stage of every device.
+// The limits for a stage that Vulkan guarantees on every device.
 enum { MOST_STORAGE_BUFFERS = 4, MOST_STORAGE_IMAGES = 4, MOST_UNIFORM_BUFFERS = 12, MOST_SAMPLED_IMAGES = 16 };
 static const struct {
   VkDescriptorType type;
@@ -189,7 +189,7 @@ static const struct {
                 {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, MOST_SAMPLED_IMAGES}};
 enum { PROMISES = sizeof PROMISED / sizeof PROMISED[0], MOST_LAYOUTS = 64 };
 
-// Layouts that were made: what they hold of each type.
+// Set layouts that were created, and how many descriptors of each type they have.
 static struct {
   VkDescriptorSetLayout layout;
   uint32_t count[PROMISES];
@@ -261,7 +261,7 @@ static void passes_bind_no_more_than_every_device_has(void **unused) {
   host_images h = make_images(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   h.targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
   assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);
-  assert_true(pipeline_layout_count >= 4); // the passes of a frame, the two steps of the denoiser, the baseline
+  assert_true(pipeline_layout_count >= 4); // the passes of a frame, both steps of the denoiser, the baseline
   olx_vulkan_frame_destroy(frame);
   olx_vulkan_classic_destroy(classic);
   host_images_free(&h);

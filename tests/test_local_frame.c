@@ -10,7 +10,7 @@
 
 #define FAR 1e7
 
-// The Cornell box with every kind of light, a camera and rules for probes, moved by a vector.
+// Makes the Cornell box with every kind of light, a camera and rules for probes, moved by a vector.
 static olx_scene *moved_room(const scene_folder *folder, double x, double y, double z) {
   char text[2048];
   snprintf(text, sizeof text,
@@ -60,7 +60,7 @@ static double relative_error(const olx_image *a, const olx_image *b) {
   return metrics.relative_mse;
 }
 
-// A room is the same, down to the last bit of its light, wherever it is.
+// A room has the same light everywhere, to the last bit, at the origin and far from it.
 static void a_room_far_away_is_lit_as_at_the_origin(void **state) {
   olx_scene *here = moved_room(*state, 0, 0, 0), *there = moved_room(*state, FAR, -FAR, FAR);
   assert_origin(here, 0, 0, 0);
@@ -82,7 +82,7 @@ static void a_room_far_away_is_lit_as_at_the_origin(void **state) {
   olx_image path_here = picture(here, NULL), path_there = picture(there, NULL);
   assert_true(relative_error(&field_here, &path_here) > 0.0);
   assert_true(relative_error(&field_here, &path_here) == relative_error(&field_there, &path_there));
-  // A field of one place is no field of the other.
+  // A field baked at one position is refused for the scene at the other.
   const olx_camera camera = olx_scene_camera(here, 0);
   const olx_render_settings render = olx_render_settings_default(OLX_METHOD_FIELD);
   olx_image wrong;
@@ -97,7 +97,7 @@ static void a_room_far_away_is_lit_as_at_the_origin(void **state) {
   olx_scene_free(there);
 }
 
-// A place that is no multiple of the step is kept to what doubles hold, not floats: some 2e-9 m there.
+// A position that is no multiple of the step is kept to the precision of doubles, some 2e-9 m here, not of floats.
 static void any_place_is_kept_in_double_precision(void **state) {
   const double x = 9876543.21, y = -1234567.89, z = 55555.5;
   olx_scene *here = moved_room(*state, 0, 0, 0), *there = moved_room(*state, x, y, z);
@@ -121,7 +121,7 @@ static void scenes_near_the_origin_keep_it(void **state) {
     assert_origin(scene, 0, 0, 0);
     olx_scene_free(scene);
   }
-  // The box is one metre across its corners: at 10 m it is near, at 20 m far.
+  // The box is one metre across its corners: a position of 10 m counts as near the origin, one of 20 m as far.
   olx_scene *scene = moved_room(*state, 10, 0, 0);
   assert_origin(scene, 0, 0, 0);
   olx_scene_free(scene);
@@ -130,8 +130,8 @@ static void scenes_near_the_origin_keep_it(void **state) {
   olx_scene_free(scene);
 }
 
-// Floats are a metre apart there, and the translations of nodes must be finer. The three squares have one root, or
-// three.
+// Floats are a metre apart at this distance, and the translations of nodes must be finer. The three squares have one
+// root, or three.
 static void load_far_squares(const scene_folder *folder, const char *roots, const char *first_node) {
   char nodes[1024];
   snprintf(nodes, sizeof nodes,
@@ -150,7 +150,7 @@ static void load_far_squares(const scene_folder *folder, const char *roots, cons
   free(gltf);
   olx_scene *scene = NULL;
   ASSERT_OK(olx_scene_load(scene_folder_write_text(folder, "far.gltf", text), &scene));
-  assert_origin(scene, FAR + 2, 4, 0); // multiples of 2 m, nearest to the middle
+  assert_origin(scene, FAR + 2, 4, 0); // multiples of 2 m that are nearest to the middle
   assert_int_equal(scene->vertex_count, 12);
   for (uint32_t v = 0; v < 4; v++) {
     const float x = scene->positions[v].x;

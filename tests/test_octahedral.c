@@ -1,4 +1,4 @@
-// Tests the octahedral map and the packed formats: exact where they are exact, bounded where they round.
+// Tests the octahedral map and the packed formats: exact where the formats are exact, bounded where they round.
 #include "core/pack.h"
 #include "core/sampling.h"
 
@@ -13,7 +13,7 @@ static const double FULL_SPHERE = 4.0 * 3.14159265358979323846;
 
 static olx_vec3 random_direction(uint32_t i) { return olx_sample_sphere(olx_stratified2(i, 99)); }
 
-// Radians; exact for small angles, where the cosine is not.
+// Returns an angle in radians, precise for small angles, where the cosine is not.
 static double angle(olx_vec3 a, olx_vec3 b) {
   const double x = (double)a.y * b.z - (double)a.z * b.y, y = (double)a.z * b.x - (double)a.x * b.z,
                z = (double)a.x * b.y - (double)a.y * b.x;
@@ -47,7 +47,7 @@ static void test_places_round_trip(void **state) {
   }
 }
 
-// y points at the middle of the map, x and z along its axes, the lower half is folded outwards.
+// y is at the middle of the map, x and z along its axes, and the lower half is folded outwards.
 static void test_places_of_the_axes(void **state) {
   (void)state;
   const struct {
@@ -78,7 +78,7 @@ static void test_solid_angles_fill_the_sphere(void **state) {
   }
 }
 
-// d omega = 4 du dv / |q|^3, integrated over the texel by the midpoint rule.
+// Integrates the solid angle of a texel, d omega = 4 du dv / |q|^3, by the midpoint rule.
 static double integrated_solid_angle(uint32_t x, uint32_t y, uint32_t n, uint32_t steps) {
   double sum = 0.0;
   for (uint32_t i = 0; i < steps * steps; i++) {
@@ -97,8 +97,8 @@ static void test_solid_angles_are_the_integral(void **state) {
   for (uint32_t n = 2; n <= 32; n *= 4) {
     for (uint32_t i = 0; i < n * n; i++) {
       const double exact = olx_texel_solid_angle(i % n, i / n, n);
-      // The midpoint rule errs by the step in the cells on a fold, at most one in 32 of a texel's, and by its square
-      // else.
+      // The midpoint rule errs by the step in cells on a fold, at most one in 32 of a texel's cells, and by its square
+      // elsewhere.
       const double step = 1.0 / (32.0 * n);
       assert_true(fabs(integrated_solid_angle(i % n, i / n, n, 32) / exact - 1.0) < 2.0 * step / 32.0);
     }
@@ -115,7 +115,7 @@ static void test_small_texels_follow_the_formula(void **state) {
       const double error = (double)olx_texel_solid_angle_near(uv, n) / olx_texel_solid_angle(i % n, i / n, n) - 1.0;
       worst[pass] = fmax(worst[pass], fabs(error));
     }
-    assert_true(worst[pass] < 4.0 / n); // first order on the folds
+    assert_true(worst[pass] < 4.0 / n); // errors of first order on the folds
   }
   assert_true(worst[1] < 0.6 * worst[0]);
 }
@@ -135,7 +135,7 @@ static void test_solid_angles_against_counting(void **state) {
     const double expected = SAMPLES * olx_texel_solid_angle(i % N, i / N, N) / FULL_SPHERE;
     chi_squared += (hits[i] - expected) * (hits[i] - expected) / expected;
   }
-  assert_true(chi_squared < 103.4); // 63 degrees of freedom, one in a thousand
+  assert_true(chi_squared < 103.4); // 63 degrees of freedom, exceeded once in a thousand
 }
 
 // --- The border
@@ -174,7 +174,7 @@ static void test_border_continues_the_sphere(void **state) {
                               angle(border_direction(i, n, n), border_direction(i, n - 1, n))};
       for (uint32_t side = 0; side < 4; side++) assert_true(over[side] <= longest * 1.0001);
     }
-    // All around a corner lie texels that touch the direction -y.
+    // All texels around a corner touch the direction -y.
     const int32_t ends[2] = {-1, n};
     for (uint32_t corner = 0; corner < 4; corner++) {
       assert_true(angle(border_direction(ends[corner & 1], ends[corner >> 1], n), olx_v3(0, -1, 0)) < longest);
@@ -182,10 +182,10 @@ static void test_border_continues_the_sphere(void **state) {
   }
 }
 
-// Any smooth function, stored with its border and filtered bilinearly, has one value where two places of the edge are
-// one direction: (0, v) and (0, 1 - v), and so on.
+// Filters a smooth function, stored with its border, bilinearly. It must have one value where two points of the edge
+// are one direction: (0, v) and (0, 1 - v), and so on.
 static float filtered(const float *map, int32_t n, float u, float v) {
-  const float x = u * (float)n + 0.5f, y = v * (float)n + 0.5f; // in the bordered map
+  const float x = u * (float)n + 0.5f, y = v * (float)n + 0.5f; // coordinates in the bordered map
   const int32_t x0 = (int32_t)olx_min(x, (float)n), y0 = (int32_t)olx_min(y, (float)n);
   const float fx = x - (float)x0, fy = y - (float)y0, *row = map + y0 * (n + 2) + x0;
   return olx_mix(olx_mix(row[0], row[1], fx), olx_mix(row[n + 2], row[n + 3], fx), fy);
@@ -232,7 +232,7 @@ static void test_normal_codes_round_trip(void **state) {
     const olx_vec3 n = olx_normal_unpack((uint16_t)code);
     const uint16_t again = olx_normal_pack(n);
     assert_true((again & 0xFF) < 255 && again >> 8 < 255);
-    // On the edge of the map two codes mean one direction; elsewhere the code itself comes back.
+    // On the edge of the map two codes represent one direction; elsewhere the same code comes back.
     assert_true(angle(olx_normal_unpack(again), n) < 3e-7);
     const uint32_t u = code & 0xFF, v = code >> 8;
     if (u > 0 && u < 254 && v > 0 && v < 254) assert_int_equal(again, code);
@@ -279,10 +279,10 @@ static void test_half_codes_round_trip(void **state) {
   }
 }
 
-// The code whose value is nearest, the even one of two; `largest` is the greatest finite code.
+// Returns the code whose value is nearest, the even one of two; `largest` is the greatest finite code.
 static uint32_t nearest_code(double f, uint32_t largest, double (*value)(uint32_t)) {
   uint32_t low = 0, high = largest;
-  while (low < high) { // the last code that is not above f
+  while (low < high) { // finds the last code whose value is not above f
     const uint32_t middle = (low + high + 1) / 2;
     if (value(middle) <= f) low = middle;
     else high = middle - 1;
@@ -292,7 +292,8 @@ static uint32_t nearest_code(double f, uint32_t largest, double (*value)(uint32_
   return below < above || (below == above && low % 2 == 0) ? low : low + 1;
 }
 
-// Floats around every code: the code, halfway to the next, and one unit in the last place to either side of both.
+// Visits floats around every code: the code itself, halfway to the next, and one unit in the last place to either side
+// of both.
 static void for_floats_around(uint32_t largest, double (*value)(uint32_t), void (*visit)(float f)) {
   for (uint32_t code = 0; code < largest; code++) {
     const float exact = (float)value(code), halfway = (float)(0.5 * (value(code) + value(code + 1)));
@@ -333,7 +334,7 @@ static void test_half_special_values(void **state) {
   assert_int_equal(olx_half_pack(-INFINITY), 0xFC00);
   assert_true((olx_half_pack(NAN) & 0x7FFF) > 0x7C00);
   assert_int_equal(olx_half_pack(0x1p-24f), 1);
-  assert_int_equal(olx_half_pack(0x1p-25f), 0); // the tie goes to even
+  assert_int_equal(olx_half_pack(0x1p-25f), 0); // a tie goes to the even code
   assert_int_equal(olx_half_pack(nextafterf(0x1p-25f, 1.0f)), 1);
   assert_int_equal(olx_half_pack(1e-45f), 0);
 }
@@ -410,7 +411,7 @@ static void test_shared_exponent_round_trip(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 1000000; i++) {
     const uint32_t random = olx_hash(i), exponent = i % 32;
-    // One mantissa has its highest bit, as packing makes it; with exponent 0 none needs it.
+    // One mantissa has its highest bit set, as packing makes it; with exponent 0 none needs it.
     const uint32_t first = (random & 0x1FFu) | (exponent ? 0x100u : 0u), g = random >> 9 & 0x1FFu, b = random >> 18 & 0x1FFu;
     const uint32_t packed = first | g << 9 | b << 18 | exponent << 27;
     const olx_vec3 c = olx_rgb9e5_unpack(packed);
@@ -427,7 +428,7 @@ static void test_shared_exponent_rounds_to_nearest(void **state) {
     const float most = 65408.0f * powf(0.5f, 45.0f * olx_unit_float(olx_hash(i)));
     const olx_vec3 c = {most * olx_unit_float(olx_hash2(i, 1)), most, most * olx_unit_float(olx_hash2(i, 2))};
     const olx_vec3 stored = olx_rgb9e5_unpack(olx_rgb9e5_pack(c));
-    // A step is the largest component's power of two over 256, or twice that where rounding goes up to the next power.
+    // A step is the largest component's power of two over 256, or twice that where rounding reaches the next power.
     const float step = fmaxf(ldexpf(1.0f, ilogbf(stored.y > 0.0f ? fmaxf(stored.y, most) : most) - 8), 0x1p-24f);
     assert_true(fabsf(stored.x - c.x) <= 0.5f * step && fabsf(stored.y - c.y) <= 0.5f * step &&
                 fabsf(stored.z - c.z) <= 0.5f * step);
@@ -448,7 +449,7 @@ static void test_shared_exponent_special_values(void **state) {
   assert_int_equal(olx_rgb9e5_pack(olx_v3(1.0f, 0.0f, 0.0f)), 16u << 27 | 256u);
   assert_int_equal(olx_rgb9e5_pack(olx_v3(0.0f, 1.0f, 0.0f)), 16u << 27 | 256u << 9);
   assert_int_equal(olx_rgb9e5_pack(olx_v3(NAN, -2.0f, 1.0f)), 16u << 27 | 256u << 18);
-  // 511.75 steps round up, to a whole power of two.
+  // 511.75 steps are rounded up to a whole power of two.
   assert_int_equal(olx_rgb9e5_pack(olx_splat(1.9990234375f)), 17u << 27 | 256u | 256u << 9 | 256u << 18);
 }
 

@@ -1,5 +1,5 @@
-// Tests the octree selector (Wang 2018, section 4.2): leaves hold their points and end at surfaces, and in each are the
-// four best of the probes that see it.
+// Tests the octree selector (Wang 2018, section 4.2): leaves contain their points and end at surfaces, and each lists
+// the four best of the probes that see it.
 #include "bake/octree_build.h"
 #include "core/hooks.h"
 #include "made_scenes.h"
@@ -52,7 +52,7 @@ static olx_octree_header *header_of(const made_field *f) {
 }
 static uint32_t *nodes_of(const made_field *f) { return (uint32_t *)(header_of(f) + 1); }
 
-// A room of 4 m a side, its low corner at the origin.
+// Makes a room of 4 m a side, with its low corner at the origin.
 static olx_scene *make_room(void) {
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
@@ -100,7 +100,7 @@ static void walk_all(const made_field *f, visitor visit, void *user) {
 
 static olx_vec3 middle_of(const leaf *l) { return olx_add(l->low, olx_splat(0.5f * l->side)); }
 
-// Whether the leaf touches a wall of the room: the planes at 0 and 4.
+// Returns whether the leaf touches a wall of the room, one of the planes at 0 and 4.
 static bool touches_wall(const leaf *l) {
   const float far = 4.0f - 1e-4f;
   return l->low.x <= 1e-4f || l->low.y <= 1e-4f || l->low.z <= 1e-4f || l->low.x + l->side >= far ||
@@ -128,7 +128,7 @@ static void test_a_points_leaf_contains_it(void **state) {
   uint32_t leaves = 0;
   walk_all(&f, find_own_points, &leaves);
   assert_int_equal(leaves, 1 + 7 * header_of(&f)->inner_nodes);
-  // Outside the root the nearest leaf answers; nonsense gets some leaf.
+  // For a point outside the root the nearest leaf is returned; for a point that is not finite, any leaf.
   assert_int_equal(olx_octree_leaf(&f.field, olx_v3(-5, -INFINITY, -1e30f)), olx_octree_leaf(&f.field, olx_splat(0)));
   assert_int_equal(olx_octree_leaf(&f.field, olx_v3(2, 9, 2)), olx_octree_leaf(&f.field, olx_v3(2, 3.999f, 2)));
   assert_in_range(olx_octree_leaf(&f.field, olx_splat(NAN)), 0, 7 * header_of(&f)->inner_nodes);
@@ -143,7 +143,7 @@ static void check_size(const made_field *f, const leaf *l, void *user) {
   counts[touches_wall(l)]++;
 }
 
-// Voxels on walls are of the finest level, and nobody else is subdivided for them: no leaf has seven empty brothers.
+// Voxels on walls have the finest level, and only they cause subdivisions: no leaf has seven empty siblings.
 static void test_leaves_end_at_surfaces(void **state) {
   (void)state;
   olx_scene *scene = made_finish(make_room());
@@ -176,10 +176,11 @@ static void test_resolution_follows_the_maps(void **state) {
 typedef struct ranking {
   const olx_vec3 *probes;
   uint32_t count, checked;
-  bool (*sees)(olx_vec3 probe, const leaf *l); // NULL: everyone sees everything
+  bool (*sees)(olx_vec3 probe, const leaf *l); // NULL when every probe sees everything
 } ranking;
 
-// n . p / d on walls, 1 / d in free space, from the definitions. 0 for leaves in edges, whose normal is a mean.
+// Returns a leaf's score from its definition: n . p / d on walls, 1 / d in free space, and 0 for leaves at edges, whose
+// normal is a mean.
 static float score_of(const leaf *l, olx_vec3 probe) {
   const olx_vec3 offset = olx_sub(probe, middle_of(l));
   const float distance = olx_length(offset);
@@ -221,7 +222,7 @@ static void check_ranks(const made_field *f, const leaf *l, void *user) {
   r->checked++;
 }
 
-// In an empty room everyone sees everything, so rank alone decides.
+// In an empty room every probe sees everything, so rank alone decides.
 static void test_the_four_best_come_in_order(void **state) {
   (void)state;
   enum { COUNT = 20 };
@@ -234,13 +235,13 @@ static void test_the_four_best_come_in_order(void **state) {
   walk_all(&f, check_ranks, &r);
   assert_true(r.checked > 6 * 30 * 30);
   release(&f);
-  // Fewer than four: all of them, and then nobody. Buried ones are left out.
+  // With fewer than four probes, all are listed, followed by no probe. Buried probes are left out.
   const uint8_t flags[COUNT] = {0, OLX_PROBE_BURIED, 0};
   build(scene, probes, flags, 3, 1, &f);
   for (uint32_t i = 0; i < 200; i++) {
     uint32_t choices[OLX_CHOICES];
     olx_octree_choices(&f.field, olx_octree_leaf(&f.field, inside(2, i)), choices);
-    assert_int_equal(choices[0] + choices[1], 2); // 0 and 2 in some order
+    assert_int_equal(choices[0] + choices[1], 2); // probes 0 and 2 in either order
     assert_true(choices[0] != 1 && choices[2] == OLX_NO_PROBE && choices[3] == OLX_NO_PROBE);
   }
   release(&f);
@@ -249,7 +250,8 @@ static void test_the_four_best_come_in_order(void **state) {
 
 // ---- visibility
 
-// A wall at x = 1.7 from side to side, but for a slot under the ceiling at y > 3.
+// Returns whether a probe sees a leaf past a wall at x = 1.7 that reaches from side to side, with a slot under the
+// ceiling at y > 3.
 static bool sees_past_wall(olx_vec3 probe, const leaf *l) {
   const olx_vec3 p = middle_of(l);
   if ((probe.x < 1.7f) == (p.x < 1.7f)) return true;
@@ -258,7 +260,8 @@ static bool sees_past_wall(olx_vec3 probe, const leaf *l) {
 }
 
 static void check_finest(const made_field *f, const leaf *l, void *user) {
-  // Voxels that the wall passes are seen from both sides, and those above the finest level by any of eight points.
+  // Voxels that the wall crosses are seen from both sides, and coarser voxels count as seen when any of eight points
+  // is.
   if (l->level < LEVELS || (l->low.x <= 1.7f && l->low.x + l->side >= 1.7f)) return;
   check_ranks(f, l, user);
 }
@@ -288,7 +291,7 @@ static void count_unseen(const made_field *f, const leaf *l, void *user) {
   counts[beyond] += l->choices[0] == OLX_NO_PROBE;
 }
 
-// A sealed room beside the probe's: nobody sees it, and its leaves say so.
+// No probe sees a sealed room beside the probe's room, and its leaves list none.
 static void test_what_nobody_sees_has_no_probe(void **state) {
   (void)state;
   olx_scene *scene = make_room();
@@ -317,7 +320,7 @@ static void check_both_sides(const made_field *f, const leaf *l, void *user) {
   (*(uint32_t *)user)++;
 }
 
-// A voxel that a thin wall passes through is seen from both sides of it, wherever in the voxel the wall stands.
+// A voxel that a thin wall crosses is seen from both sides of the wall, wherever in the voxel the wall is.
 static void test_both_sides_of_a_wall_see_its_voxels(void **state) {
   (void)state;
   olx_scene *scene = make_room();
@@ -340,7 +343,7 @@ static void test_bytes_do_not_depend_on_threads(void **state) {
   olx_scene *scene = made_finish(make_room());
   for (uint32_t i = 0; i < MOST; i++) probes[i] = inside(4, i);
   static made_field one, other;
-  build(scene, probes, NULL, MOST, 1, &one); // beyond 255 probes: two bytes a name
+  build(scene, probes, NULL, MOST, 1, &one); // with more than 255 probes, an index takes two bytes
   for (uint32_t threads = 2; threads <= 5; threads += 3) {
     build(scene, probes, NULL, MOST, threads, &other);
     assert_int_equal(one.field.select_bytes[OLX_SELECT_OCTREE], other.field.select_bytes[OLX_SELECT_OCTREE]);
@@ -390,7 +393,8 @@ static void test_spoilt_trees_are_refused(void **state) {
   assert_int_equal(olx_octree_verify(field), OLX_ERROR_FORMAT);
   header->levels = LEVELS;
 
-  // Nodes: cycles to the root, to itself and to before, beyond the end, shared children, leaves out of range and order.
+  // Invalid nodes: cycles to the root, to itself and to earlier nodes, children beyond the end, shared children, leaves
+  // out of range and order.
   const uint32_t values[] = {0,
                              1,
                              2,
@@ -418,7 +422,8 @@ static void test_spoilt_trees_are_refused(void **state) {
     }
     nodes[spoilt[n]] = was;
   }
-  uint8_t *codes = (uint8_t *)(nodes + 1 + 8 * good.inner_nodes) + 4 * 7 * good.inner_nodes; // the last leaf
+  // The codes of the last leaf.
+  uint8_t *codes = (uint8_t *)(nodes + 1 + 8 * good.inner_nodes) + 4 * 7 * good.inner_nodes;
   const uint8_t bad[][4] = {{6, 0, 1, 2}, {0, 1, 2, 254}, {3, 1, 2, 3}, {255, 0, 1, 2}, {0, 1, 255, 2}};
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
     memcpy(codes, bad[i], 4);

@@ -1,5 +1,5 @@
-// Tests outputs: what may be written and how, what is left when a program dies in the midst of it, and what happens to
-// files that are replaced. Everything about temporary files is tested with unnamed ones and with named ones.
+// Tests outputs: what may be written and how, what remains when a program dies while it writes, and what happens to
+// files that are replaced. All tests of temporary files use unnamed and named ones.
 #include "core/file.h"
 #include "core/temporary.h"
 
@@ -23,7 +23,7 @@
 
 #include <cmocka.h>
 
-// Stands in for the C library's function: a file system without unnamed files, when wanted.
+// When it is true, openat, which replaces the C library's, behaves as on a file system without unnamed files.
 static bool without_unnamed;
 
 int openat(int folder, const char *path, int flags, ...) {
@@ -60,7 +60,7 @@ static int create_folder_named(void **state) {
   return result;
 }
 
-// How many entries there are, hidden ones included; `remove` unlinks them.
+// Counts the entries of the folder, including hidden ones; `remove` unlinks them.
 static uint32_t list_entries(const folder *f, bool remove) {
   uint32_t count = 0;
   DIR *entries = opendir(f->path);
@@ -108,7 +108,7 @@ static olx_result write_text(const char *path, const char *text) { return olx_wr
 static void a_character_device_is_written_and_stays(void **state) {
   const folder *f = *state;
   struct stat status;
-  // Root makes a null device of its own; others write to the one there is, which they cannot replace in any case.
+  // Root makes a null device for the test; other users write to the system's, which they cannot replace in any case.
   const bool own = mknod(f->file, S_IFCHR | 0666, makedev(1, 3)) == 0 && open(f->file, O_WRONLY | O_CLOEXEC) >= 0;
   const char *path = own ? f->file : "/dev/null";
   assert_int_equal(olx_output_check(path, true), OLX_OK);
@@ -170,7 +170,7 @@ static void folders_devices_and_sockets_are_refused(void **state) {
   assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address), 0);
   assert_refused(f->other, true, "it is a socket");
   close(listener);
-  if (mknod(f->file, S_IFBLK | 0666, makedev(7, 200)) != 0) return; // for root alone
+  if (mknod(f->file, S_IFBLK | 0666, makedev(7, 200)) != 0) return; // only root can make a device
   assert_refused(f->file, true, "it is a block device");
   assert_refused(f->file, false, "it is a block device");
 }
@@ -185,7 +185,7 @@ static void links_are_followed(void **state) {
   snprintf(chain, sizeof chain, "%s/chain", f->path);
   assert_int_equal(symlink("out.bin", link), 0);
   assert_int_equal(symlink(link, chain), 0);
-  assert_int_equal(write_text(chain, "made"), OLX_OK); // the target is not there yet
+  assert_int_equal(write_text(chain, "made"), OLX_OK); // the link's target does not exist yet
   assert_content(f->file, "made");
   assert_int_equal(write_text(chain, "replaced"), OLX_OK);
   assert_content(f->file, "replaced");
@@ -210,7 +210,7 @@ static void mode_and_owner_of_a_replaced_file_are_kept(void **state) {
     struct stat status;
     assert_int_equal(write_text(f->file, "old"), OLX_OK);
     assert_int_equal(chmod(f->file, modes[i]), 0);
-    const bool given = chown(f->file, 1234, 5678) == 0; // for root alone
+    const bool given = chown(f->file, 1234, 5678) == 0; // only root can give files away
     assert_int_equal(write_text(f->file, "new"), OLX_OK);
     assert_int_equal(stat(f->file, &status), 0);
     assert_int_equal(status.st_mode & 07777, modes[i]);
@@ -236,7 +236,7 @@ static void the_same_file_is_found_by_device_and_inode(void **state) {
   const folder *f = *state;
   char link[300];
   snprintf(link, sizeof link, "%s/link", f->path);
-  assert_false(olx_same_file(f->file, f->file)); // there is none
+  assert_false(olx_same_file(f->file, f->file)); // no file exists yet
   assert_int_equal(write_text(f->file, "a"), OLX_OK);
   assert_int_equal(write_text(f->other, "a"), OLX_OK);
   assert_int_equal(symlink("out.bin", link), 0);
@@ -246,7 +246,7 @@ static void the_same_file_is_found_by_device_and_inode(void **state) {
   assert_int_equal(unlink(f->other), 0);
   assert_int_equal(linkat(AT_FDCWD, f->file, AT_FDCWD, f->other, 0), 0);
   assert_true(olx_same_file(f->file, f->other));
-  assert_false(olx_same_file("/dev/null", "/dev/null")); // nothing there can be destroyed
+  assert_false(olx_same_file("/dev/null", "/dev/null")); // writing to a device destroys nothing
 }
 
 // ---- temporary files
@@ -275,7 +275,7 @@ static void a_killed_writer_leaves_nothing(void **state) {
     assert_content(f->file, "old");
     if (!without_unnamed) assert_int_equal(list_entries(f, false), 1);
   }
-  // What has a name is reclaimed by the next output in the folder.
+  // A file with a temporary name is removed by the next output in the folder.
   assert_int_equal(write_text(f->other, "next"), OLX_OK);
   assert_int_equal(list_entries(f, false), 2);
 }
@@ -291,7 +291,7 @@ static void a_living_writer_keeps_its_file(void **state) {
   assert_int_equal(list_entries(f, false), 2);
 }
 
-// A program that is killed between the link and the renaming leaves a name like these.
+// A program that is killed between linking and renaming leaves a file with such a name.
 static void only_temporary_files_of_ours_are_reclaimed(void **state) {
   const folder *f = *state;
   static const char *const stale = ".octalux-0123abcd.tmp";
@@ -304,7 +304,7 @@ static void only_temporary_files_of_ours_are_reclaimed(void **state) {
     snprintf(path, sizeof path, "%s/%s", f->path, kept[i]);
     assert_int_equal(write_text(path, "kept"), OLX_OK);
   }
-  snprintf(path, sizeof path, "%s/.octalux-89abcdef.tmp", f->path); // a link is not followed, and not removed
+  snprintf(path, sizeof path, "%s/.octalux-89abcdef.tmp", f->path); // a link is neither followed nor removed
   assert_int_equal(symlink(kept[0], path), 0);
   assert_int_equal(write_text(f->file, "next"), OLX_OK);
   assert_int_equal(list_entries(f, false), sizeof kept / sizeof *kept + 2);

@@ -1,4 +1,4 @@
-// Tests packed fields: what comes back is what was packed, and every refusal is reached.
+// Tests packed fields: unpacking restores the packed file, and every refusal is reached.
 #include "field_fixture.h"
 #include "packed_fields.h"
 
@@ -48,7 +48,7 @@ static void assert_comes_back(const field_fixture *f, const synthetic_shape *sha
   assert_int_equal(olx_field_unpack(packed, &settings, back, NULL, &found), OLX_OK);
   assert_same_files(f->path, back);
   assert_true(made.field_bytes == said.field_bytes && made.packed_bytes == found.packed_bytes);
-  assert_int_equal(olx_field_unpack(packed, &settings, NULL, NULL, NULL), OLX_OK); // to nowhere
+  assert_int_equal(olx_field_unpack(packed, &settings, NULL, NULL, NULL), OLX_OK); // unpacks without writing a file
   unlink(packed);
   unlink(back);
 }
@@ -59,7 +59,7 @@ static void test_every_kind_of_field_comes_back(void **state) {
   for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) assert_comes_back(*state, shapes[i]);
 }
 
-// Chunks of several blocks, the last of them not whole.
+// A shape whose chunks have several blocks, the last of them incomplete.
 static const synthetic_shape large = {.grid = {5, 1, 1}, .n = 256};
 
 static void test_bytes_depend_on_neither_threads_nor_runs(void **state) {
@@ -99,11 +99,11 @@ static void test_filters_are_undone(void **state) {
   assert_false(olx_filter_exists(OLX_FILTERS, 4));
 }
 
-// What docs/format.md says of the filters, on one element.
+// The filters give the bytes that docs/format.md states, for single elements.
 static void test_filters_are_as_documented(void **state) {
   (void)state;
   uint8_t room[8];
-  // Red 1, green 2 * 5 + 1, blue 2 * 7, exponent 17.
+  // The colour has red 1, green 2 * 5 + 1, blue 2 * 7, exponent 17.
   uint32_t color = 1u | 11u << 9 | 14u << 18 | 17u << 27;
   olx_filter_apply(OLX_FILTER_COLORS, 4, (uint8_t *)&color, room, 4);
   assert_int_equal(color, 0u | 5u << 8 | 7u << 16 | (17u | 0xC0u) << 24);
@@ -143,7 +143,7 @@ static void test_refuses_settings_out_of_range(void **state) {
   assert_int_equal(access(packed, F_OK), -1);
 }
 
-// A field with a wrong checksum or padding that is not zero would not come back as it is: it is not packed.
+// A field with a wrong checksum, or with padding that is not zero, is not packed, since unpacking could not restore it.
 static void test_packs_no_damaged_field(void **state) {
   const field_fixture *f = *state;
   char packed[128];
@@ -256,15 +256,15 @@ static void test_refuses_blocks_that_cannot_be(void **state) {
     assert_refused(*state, &i, OLX_ERROR_FORMAT, bad[k].message);
   }
   memcpy(word, &good, sizeof good);
-  i.bytes[i.chunks[OLX_CHUNK_NORMAL + 1].offset] ^= 0xFF; // the magic of the frame of zstd
+  i.bytes[i.chunks[OLX_CHUNK_NORMAL + 1].offset] ^= 0xFF; // the magic number of the zstd frame
   packed_image_seal(&i);
   assert_refused(*state, &i, OLX_ERROR_FORMAT, "chunk NORM: block 0 does not unpack to");
   end_damage(*state, &i);
 }
 
-// ---- Bombs: what a small file claims is held against limits before space is taken for it.
+// ---- Bombs: sizes that a small file claims are compared with limits before memory is allocated for them.
 
-// Let the last chunk of the field be larger by so many blocks.
+// Enlarges the last chunk of the field by `blocks` blocks.
 static void stretch(const packed_image *i, uint64_t blocks) {
   olx_file_chunk *last = &i->field_chunks[i->field_header->chunk_count - 1];
   last->size_bytes += blocks * OLX_PACKED_BLOCK_BYTES;
@@ -283,7 +283,7 @@ static void test_refuses_bombs(void **state) {
   end_damage(f, &i);
 }
 
-// A frame of zstd that is right, but brings more than the block has room for.
+// A valid zstd frame that contains more than its block has room for is refused.
 static void test_a_block_brings_no_more_than_it_may(void **state) {
   const field_fixture *f = *state;
   packed_image i = packed_small(f);

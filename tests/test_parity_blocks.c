@@ -1,5 +1,5 @@
-// Holds shaders/lib/geometry_block.glsl to its specification, src/block/geometry_block.h, on blocks of all forms with
-// any bits: planes and depths, on which decisions depend, agree to the last bit.
+// Compares shaders/lib/geometry_block.glsl with its specification, src/block/geometry_block.h, on blocks of all forms
+// with any bits: planes and depths, on which decisions depend, agree to the last bit.
 #include "block/geometry_block.h"
 #include "core/sampling.h"
 #include "gpu_pipeline.h"
@@ -29,13 +29,13 @@ typedef struct block_item {
 
 typedef struct setting {
   gpu_device device;
-  gpu_buffer buffers[2]; // items, results
+  gpu_buffer buffers[2]; // the buffers of items and of results
   gpu_set set;
   gpu_compute compute;
 } setting;
 
-// Any bits but exponents of floats that devices may treat in their own way: of planes in floats these are within 2^-32
-// and 2^32.
+// Returns a word with any bits, except exponents of floats that devices may treat differently: floats of planes are
+// within 2^-32 and 2^32.
 static uint32_t float_word(uint32_t bits) { return (bits & 0x807FFFFFu) | (95u + (bits >> 23 & 63u)) << 23; }
 
 static block_item make_item(uint32_t i) {
@@ -43,14 +43,15 @@ static block_item make_item(uint32_t i) {
   block_item item = {.pooled = {{olx_hash2(i, 3), olx_hash2(i, 4)}},
                      .texel = olx_hash2(i, 5) % OLX_BLOCK_TEXELS,
                      .place = {n, olx_hash2(i, 6) % side, olx_hash2(i, 7) % side}};
-  if (i % 4 == 0) item.place.y = side / 2 - 1 - item.place.x % (side / 2), item.place.x %= side / 2; // on a fold
+  // A block on a fold.
+  if (i % 4 == 0) item.place.y = side / 2 - 1 - item.place.x % (side / 2), item.place.x %= side / 2;
   for (uint32_t k = 0; k < 4; k++) item.block.words[k] = olx_hash3(i, k, 8);
   if (form == OLX_GEOMETRY_ONE) {
     for (uint32_t k = 0; k < 3; k++) item.block.words[k] = float_word(item.block.words[k]);
   }
   item.block.words[3] = (item.block.words[3] & 0x3FFFFFFFu) | form << 30;
   if (i % 64 == 1) item.block = (olx_geometry_block){{0, 0, 0, 0}};
-  // A point on the plane, or near it, as far as it can be said.
+  // The item's point is on the plane, or near it, to the precision of floats.
   const olx_vec3 plane = olx_geometry_plane_of(&item.block, item.pooled, item.place, item.texel);
   const olx_vec3 direction = olx_sample_sphere(olx_stratified2(i, 9));
   const float distance = olx_plane_distance(plane, direction);
@@ -62,7 +63,7 @@ static int set_up(void **state) {
   setting *s = calloc(1, sizeof *s);
   *state = s;
   gpu_device *d = &s->device;
-  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the layers may be missing
+  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the validation layers may be missing
   const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   assert_true(gpu_buffer_create(d, "items", sizeof(block_item) * PARITY_ITEMS, usage, true, &s->buffers[0]));
   assert_true(gpu_buffer_create(d, "results", 4u * PARITY_RESULTS * PARITY_ITEMS, usage, true, &s->buffers[1]));
@@ -90,7 +91,7 @@ static int tear_down(void **state) {
   return code;
 }
 
-// What C gives for an item: words.
+// The words that C gives for an item.
 typedef struct answer {
   uint32_t words[4], count;
 } answer;
@@ -123,7 +124,8 @@ static void plane_distance(const block_item *i, answer *a) {
 }
 static void block_texel_point(const block_item *i, answer *a) { put_3(a, olx_block_texel_point(i->place, i->texel)); }
 
-// `bound` is relative, for what a root or a division goes into; 0: the same bits.
+// A row whose results may differ by `bound` relatively, where roots or divisions contribute; with 0 they must have the
+// same bits.
 typedef struct block_row {
   uint32_t number;
   const char *name;

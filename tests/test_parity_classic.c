@@ -1,4 +1,4 @@
-// Holds shaders/lib/classic.glsl to its specification, src/shade/classic.c, on random fields (tests/parity.h).
+// Compares shaders/lib/classic.glsl with its specification, src/shade/classic.c, on random fields (tests/parity.h).
 #include "shade/classic.c"
 
 #include "parity.h"

@@ -1,4 +1,4 @@
-// Holds vectors, maps, sampling, the reflection model, and the choice of probes in shaders/lib to their C twins
+// Compares vectors, maps, sampling, the reflection model, and the choice of probes in shaders/lib with their C twins
 // (tests/parity.h).
 #include "field/texels.h"
 #include "select/voronoi.c"
@@ -73,7 +73,7 @@ static olx_texel_block block_of(const parity_state *s) { return olx_block_at(s->
 static olx_block_place place_of(const parity_state *s) {
   return (olx_block_place){s->field->n, s->x / OLX_BLOCK_SIDE, s->y / OLX_BLOCK_SIDE};
 }
-// A block of each form, of numbers that may name any plane.
+// Returns a block of each form, whose indices may name any plane.
 static olx_geometry_block some_block(const parity_state *s) {
   return (olx_geometry_block){
       {s->bits[0] % 64u, s->bits[1], s->bits[2], (s->bits[3] & 0x3FFFFFFFu) | s->bits[0] % 3u << 30}};

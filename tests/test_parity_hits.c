@@ -1,5 +1,5 @@
-// Holds light at the end of a ray in shaders/lib to its C twin (tests/parity.h), on materials of all kinds, marked and
-// unmarked texels, and lights of every type.
+// Compares light at the end of a ray in shaders/lib with its C twin (tests/parity.h), on materials of all kinds, marked
+// and unmarked texels, and lights of every type.
 #include "shade/further.c"
 #include "trace/texel_shade.c"
 

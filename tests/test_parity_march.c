@@ -1,4 +1,4 @@
-// Holds the march of a ray through one probe's map in shaders/lib to its C twin (tests/parity.h).
+// Compares the march of a ray through one probe's map in shaders/lib with its C twin (tests/parity.h).
 #include "trace/march_hiz.c"
 #include "trace/probe_trace.c"
 #include "trace/surfel.c"
@@ -51,7 +51,8 @@ static olx_tracer plain_tracer(const parity_state *s) {
   return s->settings.tracer == OLX_TRACER_TEXEL ? OLX_TRACER_TEXEL : OLX_TRACER_TWO_LEVEL;
 }
 
-// In GLSL texels are nodes of level -1, and the texel in which a ray begins that was handed on comes first.
+// Returns where GLSL begins a march: texels are nodes of level -1, and a ray that another probe handed on begins with
+// the texel that contains its start.
 static stand begin_stand(const march_state *e) {
   const bool first_piece = e->piece.t_begin <= e->ray.t_min, first = first_piece && e->piece.t_begin > 0.0f;
   const olx_pyramid_shape *pyramid = &e->march.field->pyramid;
@@ -66,7 +67,7 @@ static void put_stand(parity_result *r, stand at) {
   put_i(r, (int32_t)at.level);
 }
 
-// Out of a texel: within its node of level 0, or out of that.
+// Returns the node after a texel was left: the texel's node of level 0, or the next one outside it.
 static stand left_texel(const olx_march *m, int32_t x, int32_t y, int32_t next_x, int32_t next_y) {
   const uint32_t shift = OLX_PYRAMID_FINEST;
   stand at = {.x = x >> shift, .y = y >> shift};
@@ -83,7 +84,7 @@ static stand left_node(const olx_march *m, const parity_state *s) {
   return at;
 }
 
-// The first texel of a piece whose stored distance the ray reaches, without a pyramid.
+// Finds the first texel of a piece whose stored distance the ray reaches, without a pyramid.
 static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
   for (;;) {
     const olx_vec2 s = olx_crossings_ahead(&e->piece, c->x, c->y, 0);
@@ -98,7 +99,7 @@ static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
   }
 }
 
-// Texel and gap of an answer, for rays that meet something.
+// Writes the texel and gap of an answer for rays that meet something.
 static void put_answer_of_ray(parity_result *r, const olx_probe_answer *a) {
   put_u(r, a->status);
   put_u(r, a->steps);

@@ -1,4 +1,4 @@
-// Holds relighting in shaders/lib to its C twin (tests/parity.h).
+// Compares relighting in shaders/lib with its C twin (tests/parity.h).
 #include "field/harmonic_data.c"
 #include "relight/relit_direct.c"
 #include "relight/relit_highlights.c"
@@ -57,7 +57,7 @@ static void some_corners(const parity_state *s, float corner[4]) {
   site_corners(s->bits[1] % OLX_RELIGHT_BLOCK, s->bits[2] % OLX_RELIGHT_BLOCK, corner);
 }
 
-// Of an entry whose surfel has light 1 and whose site nobody shares.
+// Returns the weight of an entry, as the light of a site whose one surfel has light 1.
 static float told_weight(const parity_state *s) {
   const uint32_t starts[2] = {0, 1}, word = s->bits[0];
   const olx_relight_entry entry = {0,
@@ -72,7 +72,7 @@ static olx_vec3 hemisphere_direction(const parity_state *s, uint32_t first, olx_
   return olx_from_basis(olx_sample_cosine(random), normal);
 }
 
-// One time in eight it is looked at from behind.
+// Returns a brightness for a surface that is seen from behind one time in eight.
 static float some_brightness(const parity_state *s) {
   const olx_relight_surfel surfel = {
       .normal = s->bits[2] & 0xFEFEu, .f0 = (uint8_t)s->bits[0], .alpha = (uint8_t)(s->bits[0] >> 8)};

@@ -1,4 +1,4 @@
-// Holds the search of a ray through probe after probe in shaders/lib to its C twin (tests/parity.h).
+// Compares the search of a ray through one probe after another in shaders/lib with its C twin (tests/parity.h).
 #include "trace/trace.c"
 
 #include "parity.h"
@@ -21,7 +21,7 @@ static void derive_search(const parity_state *s, search_state *e) {
                        .fallback_probe = UINT32_MAX};
 }
 
-// A search that has asked some probes and lost the ray somewhere, or one that begins.
+// Makes a search that has just begun, or one that has tried some probes and lost the ray somewhere.
 static void ask_some(const parity_state *s, search *of) {
   if (!(s->bits[1] & 1u)) return;
   for (uint32_t i = 0; i < 3; i++) remember(of, s->bits[i] >> 12 & 15u);
@@ -135,7 +135,8 @@ static const parity_row ROWS[] = {
 };
 // clang-format on
 static const parity_code CODES[] = {{ROWS_OF_SEARCH, {CODE, sizeof CODE}}};
-// Not among many probes: llvmpipe ends loops after 65535 turns, which a search over so many can exceed.
+// The room with many probes is left out: llvmpipe ends loops after 65535 iterations, which a search over so many can
+// exceed.
 static const parity_range ROOMS[PARITY_ROOMS] = {
     [PARITY_FURNISHED_ROOM] = {ROWS_OF_MARCH, ROWS_OF_SEARCH},
     [PARITY_OPEN_COURT] = {ROWS_OF_MARCH, ROWS_OF_SEARCH},

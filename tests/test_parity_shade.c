@@ -1,4 +1,4 @@
-// Holds irradiance, glossy light and the denoiser in shaders/lib to their C twins (tests/parity.h).
+// Compares irradiance, glossy light and the denoiser in shaders/lib with their C twins (tests/parity.h).
 #include "render/denoise.c"
 #include "shade/emission.h"
 #include "shade/glossy.h"
@@ -196,7 +196,7 @@ static const parity_code CODES[] = {
     {ROWS_OF_SHADE, {SHADE_CODE, sizeof SHADE_CODE}},
     {ROWS_OF_DENOISE, {DENOISE_CODE, sizeof DENOISE_CODE}},
 };
-// llvmpipe ends loops after 65535 turns, which the search of glossy light over so many probes can exceed.
+// llvmpipe ends loops after 65535 iterations, which the search of glossy light over many probes can exceed.
 static const parity_range ROOMS[PARITY_ROOMS] = {
     [PARITY_FURNISHED_ROOM] = {ROWS_OF_SEARCH, ROWS_OF_DENOISE},
     [PARITY_OPEN_COURT] = {ROWS_OF_SEARCH, ROWS_OF_SHADE},

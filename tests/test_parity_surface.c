@@ -1,4 +1,4 @@
-// Holds light stored at surfaces in shaders/lib to its C twin (tests/parity.h).
+// Compares light stored at surfaces in shaders/lib with its C twin (tests/parity.h).
 #include "field/texels.h"
 #include "shade/irradiance.c"
 #include "shade/surface_irradiance.c"
@@ -9,7 +9,7 @@ static const uint32_t CODE[] = {
 #include "parity_surface.spv.inc"
 };
 
-// What parity_surface.comp derives from an item in the same way.
+// The values that parity_surface.comp derives from an item in the same way.
 typedef struct surface_state {
   olx_surface_point p;
   probe_view view;
@@ -39,7 +39,7 @@ static void derive_surface(parity_state *s, surface_state *e) {
 static bool see(const parity_state *s, const surface_state *e, int32_t x, int32_t y, seen_texel *t) {
   *t = (seen_texel){.distance = 0.0f};
   if (see_texel(s->field, &e->view, olx_map_index(s->field->stride, x, y), x, y, t)) return true;
-  // The shader goes on with a texel of the sky as if it lay at the probe.
+  // The shader continues with a texel of the sky as if it were at the probe.
   int32_t sx, sy;
   olx_border_source(x, y, (int32_t)s->field->n, &sx, &sy);
   t->distance = 0.0f;
@@ -50,7 +50,7 @@ static bool see(const parity_state *s, const surface_state *e, int32_t x, int32_
   return false;
 }
 
-// The structure, and right behind it the light.
+// Returns a word of the volume: its structure, followed by its light.
 static uint32_t volume_word(const parity_state *s, uint32_t index) {
   const olx_volume *v = &s->field->volume;
   if (!v->header) return 0;
@@ -65,7 +65,8 @@ typedef struct fallen {
   olx_vec3 from, to;
 } fallen;
 
-// Light from the point's direction and its view as normals; irradiance probes are weighed for the first.
+// Returns the light where none is stored, with the item's direction and its view as normals; irradiance probes are
+// weighted for the direction.
 static fallen fall_back(const parity_state *s) {
   const olx_surface_point p = {.position = s->point, .geometric_normal = s->direction, .view = s->view};
   olx_volume_light_at volume;
@@ -183,7 +184,8 @@ SURFACE_ROW(surface_light_from, olx_surface_light light = {.probes = 0}; blend b
     if (s->bits[2] & 1u) gather(s->field, &s->settings, &e->p, &b);
     if (b.count > 0) light = olx_surface_light_at(s->field, &s->settings, &e->p);
     const bool bent = (s->bits[3] & 0x10000u) != 0;
-    if (b.count > 0 && bent) light.irradiance = mix(&b, &(uint32_t){0}); // without a source, 0 / 0 changes nothing
+    // Without a source, 0 / 0 must not change the result.
+    if (b.count > 0 && bent) light.irradiance = mix(&b, &(uint32_t){0});
     put_u(r, light.probes); put_3(r, light.irradiance);)
 SURFACE_ROW(volume_source, put_u(r, s->field->volume.header ? 2 : 4);)
 SURFACE_ROW(volume_irradiance, put_3(r, olx_volume_irradiance(s->field, s->point, s->direction));)

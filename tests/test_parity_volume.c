@@ -1,5 +1,5 @@
-// Holds shaders/lib/volume_irradiance.glsl to its specification, src/shade/volume_irradiance.c, on a volume with cells
-// of all sizes, walls through them, and places inside, outside and on surfaces.
+// Compares shaders/lib/volume_irradiance.glsl with its specification, src/shade/volume_irradiance.c, on a volume with
+// cells of all sizes, walls through them, and points inside, outside and on surfaces.
 #include "bake/volume_cells.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -25,14 +25,14 @@ typedef struct volume_item {
   float position[4], normal[4];
 } volume_item;
 
-// A room with a wall through it that leaves a gap, and random light.
+// A test's volume of a room divided by a wall with a gap, with random light.
 typedef struct setting {
   olx_scene *scene;
   olx_volume_cells cells;
   uint16_t *irradiance;
   olx_field field;
   gpu_device device;
-  gpu_buffer buffers[3]; // items, results, words
+  gpu_buffer buffers[3]; // the buffers of items, of results and of the volume's words
   gpu_set set;
   gpu_compute compute;
 } setting;
@@ -64,7 +64,7 @@ static void fill_items(volume_item *items) {
   for (uint32_t i = 0; i < PARITY_ITEMS; i++) {
     float p[3];
     for (uint32_t k = 0; k < 3; k++) p[k] = 5.0f * olx_unit_float(olx_hash3(i, k, 1)) - 2.5f;
-    if (i % 8 == 0) p[0] = 0.137f; // on the wall
+    if (i % 8 == 0) p[0] = 0.137f; // a point on the wall
     olx_vec3 normal = olx_sample_sphere(olx_stratified2(i, 5));
     if (i % 16 == 0) normal = olx_v3(i % 32 ? 1.0f : -1.0f, 0, 0);
     items[i] = (volume_item){{p[0], p[1], p[2], 0}, {normal.x, normal.y, normal.z, 0}};
@@ -78,7 +78,7 @@ static int set_up(void **state) {
   *state = s;
   make_volume(s);
   gpu_device *d = &s->device;
-  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the layers may be missing
+  if (!host_open_device(d, true) && !host_open_device(d, false)) return 0; // the validation layers may be missing
   const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   const size_t light = (size_t)OLX_VOLUME_HALVES * s->cells.probe_count * sizeof *s->irradiance;
   assert_true(gpu_buffer_create(d, "items", sizeof(volume_item) * PARITY_ITEMS, usage, true, &s->buffers[0]));
@@ -114,7 +114,7 @@ static int tear_down(void **state) {
   return code;
 }
 
-// What C gives for an item: whole numbers first, then floats.
+// The results of C for an item: whole numbers first, then floats.
 typedef struct answer {
   uint32_t wholes[2], whole_count, float_count;
   float floats[18];
@@ -155,7 +155,7 @@ static void volume_weight(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, 
   for (uint32_t k = 0; k < 8; k++) a->floats[k] = (k & 1 ? x : 1 - x) * (k & 2 ? y : 1 - y) * (k & 4 ? z : 1 - z);
 }
 
-// The light lies right behind the structure.
+// The row's answer is the offset of a probe's light, which follows the structure.
 static void volume_light(const setting *s, uint32_t i, olx_vec3 p, olx_vec3 n, answer *a) {
   (void)p, (void)n;
   a->whole_count = 1;
@@ -222,7 +222,7 @@ static bool agrees(const answer *a, const uint32_t *words) {
   return true;
 }
 
-// What hangs on a comparison may differ at one place in a thousand, since devices round divisions differently.
+// Results that depend on a comparison may differ at one point in a thousand, since devices round divisions differently.
 static void shaders_agree_with_c(void **state) {
   setting *s = *state;
   gpu_device *d = &s->device;

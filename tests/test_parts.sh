@@ -1,5 +1,5 @@
-# Bakes that are shared out: any number of parts, in any order, killed, repeated and at the same time, make the field
-# that a whole bake makes.
+# Bakes in parts: any number of parts, in any order, killed, repeated and at the same time, make the same field as a
+# whole bake.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

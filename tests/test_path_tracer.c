@@ -1,4 +1,4 @@
-// Tests the path tracer, which judges everything else, against what is known in closed form.
+// Tests the path tracer, the reference of all other tests, against values known in closed form.
 #include "light/path.h"
 #include "scene/emitters.h"
 #include "tiny_scenes.h"
@@ -66,7 +66,7 @@ static void test_irradiance_at_a_point_of_a_furnace(void **state) {
 
 // --- Lights --------------------------------------------------------------------------------------------------------
 
-// Mean direct light of the middle of the floor, seen from the side through a very narrow camera.
+// Returns the mean direct light of the middle of the floor, seen from the side through a very narrow camera.
 static double floor_light(const olx_scene *scene, uint32_t spp) {
   const olx_camera camera = tiny_camera(olx_v3(-0.8f, 0.4f, 0), olx_v3(0, 0, 0), 0.01f);
   const olx_render_settings settings = path_settings(8, spp, 0);
@@ -76,7 +76,7 @@ static double floor_light(const olx_scene *scene, uint32_t spp) {
   return mean;
 }
 
-// Form factor of a rectangle a x b at height h, from a point under one of its corners, parallel to it.
+// Returns the form factor of a rectangle a x b at height h, from a point under one of its corners, parallel to it.
 static double corner_form_factor(double a, double b, double h) {
   const double A = a / h, B = b / h, ra = sqrt(1 + A * A), rb = sqrt(1 + B * B);
   return (A / ra * atan(B / ra) + B / rb * atan(A / rb)) / (2 * (double)OLX_PI);
@@ -89,7 +89,7 @@ static void test_irradiance_under_a_rectangle_light(void **state) {
     olx_scene *scene = tiny_scene();
     const olx_material floor = tiny_lambert(0.5f, 0);
     tiny_floor(scene, &floor);
-    // From x = -0.1 to 0.3 and z = -0.2 to 0.1: the origin is under none of its lines of symmetry.
+    // The light spans x = -0.1 to 0.3 and z = -0.2 to 0.1, so that the origin is under none of its lines of symmetry.
     ASSERT_OK(olx_scene_add_rect_light(scene, olx_v3(0.1f, (float)heights[i], -0.05f), olx_v3(0.4f, 0, 0),
                                        olx_v3(0, 0, 0.3f), olx_splat(3.0f)));
     tiny_finish(scene);
@@ -171,7 +171,7 @@ static void test_constant_environment(void **state) {
   olx_scene_free(scene);
 }
 
-// A sky that is mostly dim, with a small bright sun, turned by an odd angle.
+// Adds a sky that is mostly dim, with a small bright sun, rotated by an arbitrary angle.
 static void add_image_environment(olx_scene *scene) {
   enum { W = 64, H = 32 };
   scene->environment.width = W;
@@ -197,7 +197,7 @@ static void test_image_environment(void **state) {
   tiny_finish(scene);
   enum { STEPS = 2048 };
   double irradiance = 0;
-  for (int i = 0; i < STEPS; i++) { // over sin^2 of the angle from the zenith, so that each step weighs the same
+  for (int i = 0; i < STEPS; i++) { // steps of sin^2 of the angle from the zenith, which weigh the same
     const double s = (i + 0.5) / STEPS, sine = sqrt(s), cosine = sqrt(1 - s);
     for (int j = 0; j < STEPS; j++) {
       const double phi = 2 * (double)OLX_PI * (j + 0.5) / STEPS;
@@ -245,7 +245,7 @@ static void test_directional_albedo_of_ggx(void **state) {
   }
 }
 
-// Behind a mirror the tracer follows one lobe of two and weighs it by both: the light must be the same.
+// After a mirror the tracer follows one of two lobes and weighs it by both, so the light must be the same.
 static void test_surface_of_two_lobes_seen_in_a_mirror(void **state) {
   (void)state;
   const float roughness[] = {0.0f, 0.1f, 0.4f, 1.0f};
@@ -253,7 +253,7 @@ static void test_surface_of_two_lobes_seen_in_a_mirror(void **state) {
     olx_scene *scene = tiny_scene();
     const olx_material floor = tiny_plastic(0.6f, roughness[i]), mirror = tiny_metal(0.8f, 0);
     tiny_floor(scene, &floor);
-    // The eye looks level along x; a speck of mirror turns its ray to (0.6, -0.8, 0), onto the floor.
+    // The eye looks along x; a small mirror turns its ray to (0.6, -0.8, 0), onto the floor.
     const olx_vec3 level = {1, 0, 0}, down = {0.6f, -0.8f, 0}, normal = olx_normalize(olx_sub(down, level));
     const olx_vec3 z = {0, 0, 1e-3f};
     tiny_quad(scene, &mirror, olx_v3(0.3f, 0.5f, 0), z, olx_cross(normal, z));
@@ -301,7 +301,7 @@ static void test_no_surface_returns_more_than_it_receives(void **state) {
                                     tiny_plastic(0.95f, 0.05f), tiny_plastic(0.95f, 0.5f), tiny_plastic(0.95f, 1.0f)};
   olx_scene *scene = tiny_scene();
   for (int i = 0; i < 6; i++) {
-    // Corners of two strips, so that light bounces between like surfaces too.
+    // Two strips form corners, so that light also bounces between surfaces of the same material.
     const float x = (float)i - 2.5f;
     tiny_quad(scene, &materials[i], olx_v3(x, 0, 0), olx_v3(0, 0, 1), olx_v3(1, 0, 0));
     tiny_quad(scene, &materials[i], olx_v3(x, 0.5f, -0.5f), olx_v3(1, 0, 0), olx_v3(0, 1, 0));
@@ -322,7 +322,7 @@ static void test_no_surface_returns_more_than_it_receives(void **state) {
 
 // --- The estimator -------------------------------------------------------------------------------------------------
 
-// A box with a lamp, a sun through no window, and surfaces of every kind.
+// Makes a box with a lamp, a sun that enters through no window, and surfaces of every kind.
 static olx_scene *mixed_room(void) {
   olx_scene *scene = tiny_scene();
   const olx_material walls = tiny_lambert(0.7f, 0), panel = tiny_metal(0.9f, 0.6f), table = tiny_plastic(0.5f, 0.5f);
@@ -368,7 +368,7 @@ static void test_error_falls_with_the_root_of_the_samples(void **state) {
       predicted += (double)olx_dot(e, e) / 256;
     }
     print_message("spp %u: rmse %.5f, standard error %.5f\n", settings.spp, sqrt(mse), sqrt(predicted));
-    // Stratification makes the true error smaller than that of independent samples, never much larger.
+    // Stratification makes the true error smaller than that of independent samples, or at most slightly larger.
     assert_true(mse < 1.5 * predicted);
     assert_true(mse > 0.05 * predicted);
     olx_image_free(&image);
@@ -419,7 +419,7 @@ static void test_layers_sum_to_beauty(void **state) {
     const olx_vec3 beauty = image.layers[OLX_LAYER_BEAUTY][i];
     glossy |= g.y > 0, diffuse |= d.y > 0;
     assert_true(olx_finite(beauty));
-    // The camera does not see the lamp: nothing but light layers.
+    // The camera does not see the lamp, so the layers of light sum to the whole picture.
     assert_true(olx_length(olx_sub(beauty, sum)) <= 1e-5f * olx_length(beauty));
   }
   assert_true(glossy && diffuse);
@@ -450,7 +450,7 @@ static void test_surface_layers(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();
   const olx_material wall = tiny_lambert(0.4f, 2);
-  // A wall 3 m ahead that fills the right half of the image.
+  // The wall is 3 m ahead and fills the right half of the image.
   tiny_quad(scene, &wall, olx_v3(50, 0, -3), olx_v3(100, 0, 0), olx_v3(0, 100, 0));
   scene->environment.radiance = olx_v3(1, 2, 3);
   tiny_finish(scene);
@@ -478,7 +478,8 @@ static void test_pixels_run_right_and_down(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();
   const olx_material lamp = tiny_lambert(0, 1);
-  tiny_quad(scene, &lamp, olx_v3(1, 1, -2), olx_v3(0.5f, 0, 0), olx_v3(0, 0.5f, 0)); // right of the axis, above it
+  // A lamp to the right of the axis and above it.
+  tiny_quad(scene, &lamp, olx_v3(1, 1, -2), olx_v3(0.5f, 0, 0), olx_v3(0, 0.5f, 0));
   tiny_finish(scene);
   const olx_camera camera = {.eye = {0, 0, 0}, .target = {0, 0, -1}, .up = {0, 1, 0}, .fov_y_degrees = 90};
   const olx_render_settings settings = path_settings(8, 1, 0);

@@ -1,4 +1,5 @@
-// Tests SSIM and FLIP on pictures whose answer is known in closed form, or was computed by the authors of FLIP.
+// Tests SSIM and FLIP on pictures whose result is known in closed form, or was computed by the program of FLIP's
+// authors.
 #include "render/perceptual.h"
 
 #include <math.h>
@@ -23,7 +24,7 @@ static picture uniform(uint8_t r, uint8_t g, uint8_t b) {
   return p;
 }
 
-// Ramps of every channel, stripes of `stripe` pixels, and noise of an integer hash.
+// Makes ramps of every channel, stripes of `stripe` pixels, and noise of an integer hash.
 static picture pattern(uint32_t stripe, uint32_t noise) {
   picture p;
   for (uint32_t y = 0; y < HEIGHT; ++y) {
@@ -71,7 +72,7 @@ static void ssim_of_uniform_pictures_compares_their_means(void **state) {
   }
 }
 
-// Rows that alternate by +-d around one mean have, in any window, the variance d^2 - (s d)^2 and a mean shifted by s d,
+// Rows that alternate by +-d around one mean have in any window the variance d^2 - (s d)^2 and a mean shifted by s d,
 // where s is the alternating sum of the window's weights. Half the contrast halves the shift and the deviation.
 static void ssim_of_halved_contrast_is_in_closed_form(void **state) {
   (void)state;
@@ -87,7 +88,7 @@ static void ssim_of_halved_contrast_is_in_closed_form(void **state) {
     weights += weight;
     alternating += i % 2 ? -weight : weight;
   }
-  // Windows are centred on odd rows as often as on even ones: 48 - 10 of them.
+  // Windows are centred on odd rows as often as on even ones: 48 - 10 rows in all.
   double expected = 0.0;
   for (int sign = -1; sign <= 1; sign += 2) {
     const double d = 40.0 / 255.0, mean = 128.0 / 255.0, shift = sign * alternating / weights * d;
@@ -123,11 +124,11 @@ static void no_window_fits_into_ten_pixels(void **state) {
   assert_true(ssim == 1.0);
 }
 
-// CIE L* of a gray of sRGB.
+// Returns CIE L* of a grey of sRGB.
 static double lightness(uint8_t srgb) { return 116.0 * pow((srgb / 255.0 + 0.055) / 1.055, 2.4 / 3.0) - 16.0; }
 
-// Between uniform pictures there is no feature, and the filters change nothing: what is left is colour. The L*a*b* of
-// the primaries of sRGB are widely published.
+// Uniform pictures have no features, and the filters do not change them, so only colours differ. The L*a*b* of the
+// primaries of sRGB are widely published.
 static void flip_of_uniform_pictures_is_the_distance_of_their_colours(void **state) {
   (void)state;
   const double green[3] = {87.7347, -86.1827, 83.1793}, blue[3] = {32.2970, 79.1875, -107.8602};
@@ -142,14 +143,14 @@ static void flip_of_uniform_pictures_is_the_distance_of_their_colours(void **sta
   const double of_100 = pow(100.0, 0.7);
   assert_close(mean_flip(&black, &white, PPD), 0.95 + 0.05 * (of_100 - knee) / (largest - knee), 1e-5);
   assert_close(mean_flip(&pure_green, &pure_blue, PPD), 1.0, 1e-5);
-  // These lie below the knee, where the whole error of `largest` shows: published values of the primaries differ in the
-  // fifth digit, as the matrices do that they come from.
+  // Errors below the knee show the whole error of `largest`: published values of the primaries differ in the fifth
+  // digit, as the matrices do from which they are computed.
   assert_close(mean_flip(&black, &gray, PPD), 0.95 * pow(lightness(119), 0.7) / knee, 5e-5);
   const picture near_gray = uniform(120, 120, 120);
   assert_close(mean_flip(&gray, &near_gray, PPD), 0.95 * pow(lightness(120) - lightness(119), 0.7) / knee, 5e-5);
 }
 
-// Computed with the authors' program, version 1.7, of the same pictures.
+// The expected values were computed from the same pictures with the authors' program, version 1.7.
 static void flip_agrees_with_its_authors(void **state) {
   (void)state;
   const picture smooth = pattern(5, 0), striped = pattern(7, 0), noisy = pattern(5, 60);
@@ -182,7 +183,7 @@ static void a_map_is_where_the_difference_is(void **state) {
     for (int x = 0; x < WIDTH; ++x) {
       const float value = map[y * WIDTH + x];
       assert_true(value <= map[20 * WIDTH + 30]);
-      // At 20 pixels a degree filters reach 3 pixels.
+      // At 20 pixels a degree the filters reach 3 pixels.
       if (abs(x - 30) > 3 || abs(y - 20) > 3) assert_true(value == 0.0f);
     }
   }

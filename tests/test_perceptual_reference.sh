@@ -1,4 +1,4 @@
-# SSIM and FLIP of `octalux compare` against an implementation of their own, written from the papers: 4 digits.
+# Compares SSIM and FLIP of `octalux compare` with an independent implementation, written from the papers, to 4 digits.
 source "$(dirname "$0")/cli/expect.sh"
 reference="$OCTALUX_SOURCE_DIR/tests/perceptual_reference.py"
 python3 "$reference" make . || fail "no pictures"
@@ -10,7 +10,7 @@ for settings in "1 67" "0.5 30" "3 19.5"; do
     for k in ("ssim", "flip"))' compare a.exr b.exr --exposure "$exposure" --pixels-per-degree "$ppd"
 done
 
-# The same in either order, and at any number of threads.
+# Results are the same in either order of the pictures, and at any number of threads.
 expect 0 compare a.exr b.exr --json --threads 1
 cp stdout.txt one.txt
 expect 0 compare a.exr b.exr --json --threads 7

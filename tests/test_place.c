@@ -1,5 +1,5 @@
-// Tests placement in scenes whose answer is known: what is reached, what is inside, what one probe sees, and what
-// cannot be done.
+// Tests placement in scenes whose result is known: what is reached, what is inside geometry, what one probe sees, and
+// requests that are refused.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/measure.h"
@@ -19,7 +19,7 @@ static void add_camera(olx_scene *scene, olx_vec3 eye, olx_vec3 target) {
   ASSERT_OK(olx_scene_add_camera(scene, &camera));
 }
 
-// No method but the grid finds anything, optimized or not.
+// Checks that every method but the grid finds no place for a probe, optimized or not.
 static void expect_nothing(olx_scene *scene, const char *why) {
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_COVER; method++) {
     for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
@@ -61,7 +61,7 @@ static void distance_transform_is_exact(void **state) {
   }
 }
 
-// Every voxel that holds a point of a surface is solid, and every solid one touches a surface.
+// Every voxel that contains a point of a surface is solid, and every solid voxel touches a surface.
 static void voxels_are_conservative_and_tight(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:pillars");
@@ -116,7 +116,7 @@ static void one_probe_covers_a_closed_box(void **state) {
   olx_scene_free(scene);
 }
 
-// A wall across the room from floor to ceiling, with a gap at one side.
+// A wall from floor to ceiling with a gap at one side divides the room, so one probe cannot see all of it.
 static void a_wall_needs_a_second_probe(void **state) {
   (void)state;
   olx_scene *scene = start_room();
@@ -156,7 +156,7 @@ static void nothing_is_placed_in_a_sealed_room(void **state) {
   olx_scene_free(scene);
 }
 
-// Without a camera the larger of two rooms would win; with light in the smaller one that one matters.
+// Without a camera the larger of two rooms counts; with light in the smaller room, that room counts.
 static void light_says_which_room_matters(void **state) {
   (void)state;
   for (int lit = 0; lit < 2; lit++) {
@@ -177,7 +177,7 @@ static void light_says_which_room_matters(void **state) {
 
 static void nothing_to_place_in_is_said_clearly(void **state) {
   (void)state;
-  // What is inside geometry is said by the camera, which sees the room around the solid.
+  // The camera, which sees the room around the solid, decides what is inside geometry.
   olx_scene *solid = start_room();
   ASSERT_OK(olx_add_box(solid, "solid", olx_v3(-0.5f, -0.5f, -0.5f), olx_v3(0.5f, 0.5f, 0.5f), matte(solid)));
   add_camera(solid, olx_v3(0.8f, 0.8f, 0.8f), olx_v3(0, 0, 0));
@@ -191,14 +191,14 @@ static void nothing_to_place_in_is_said_clearly(void **state) {
   far->probe_rules.has_playable = true;
   far->probe_rules.playable = (olx_box){{50, 50, 50}, {60, 60, 60}};
   expect_nothing(made_finish(far), "playable box");
-  // Beside the room, within reach, but nothing is seen from there.
+  // A playable box above the room can be reached, but nothing is seen from it.
   olx_scene *room = start_room();
   room->probe_rules.has_playable = true;
   room->probe_rules.playable = (olx_box){{-1, 3, -1}, {1, 4, 1}};
   made_finish(room);
   const olx_place_settings settings = quick_settings(room, OLX_PLACE_COVER);
   olx_probe_set set;
-  // The outside of the ceiling is seen from above it.
+  // From above, the outside of the ceiling is seen.
   ASSERT_OK(olx_place(room, &settings, NULL, &set));
   for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.y > 3.0f);
   olx_probe_set_free(&set);
@@ -208,7 +208,7 @@ static void nothing_to_place_in_is_said_clearly(void **state) {
   expect_nothing(made_finish(forbidden), "leave no place");
 }
 
-// A single sheet in a playable box: both sides are seen and covered.
+// Both sides of a single sheet in a playable box are seen and covered.
 static void a_single_quad_has_two_sides(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -233,12 +233,12 @@ static void threads_and_runs_do_not_matter(void **state) {
     olx_place_settings settings = quicker_settings(scene, (olx_place_method)(kind / 3));
     settings.optimize = (olx_place_optimizer)(kind % 3);
     const bool skeleton = settings.method == OLX_PLACE_SDF || settings.method == OLX_PLACE_MEDIAL;
-    if (skeleton && settings.optimize != OLX_OPTIMIZE_NONE) continue; // in test_place_skeleton.c
+    if (skeleton && settings.optimize != OLX_OPTIMIZE_NONE) continue; // test_place_skeleton.c tests these
     settings.rounds = 2;
     settings.count = 6;
     settings.threads = 1;
     olx_probe_set one = place(scene, &settings);
-    const uint32_t threads[2] = {2, 5}; // in other runs
+    const uint32_t threads[2] = {2, 5}; // numbers of threads of the other runs
     for (int i = 0; i < 2; i++) {
       settings.threads = threads[i];
       olx_probe_set other = place(scene, &settings);
@@ -264,7 +264,7 @@ static void more_probes_cover_more(void **state) {
   for (settings.count = 1; settings.count <= 16; settings.count *= 2) {
     olx_probe_set set = place(scene, &settings);
     assert_int_equal(set.count, settings.count);
-    // Strictly, until all but the last half per mille is covered.
+    // Coverage grows strictly, until all but the last half per mille is covered.
     assert_true(set.report.coverage > before || set.report.coverage >= 0.9995);
     assert_true(set.report.visible >= set.report.coverage);
     before = set.report.coverage;
@@ -380,7 +380,7 @@ static void overrides_hold_for_every_method(void **state) {
   }
 }
 
-// What lies behind a forbidden part of a corridor is seen, but not coverable, and the report says so.
+// Surfaces behind a forbidden part of a corridor are seen, but cannot be covered, and the report says so.
 static void what_cannot_be_covered_is_told_apart(void **state) {
   (void)state;
   olx_scene *scene = start_room();
@@ -398,7 +398,7 @@ static void what_cannot_be_covered_is_told_apart(void **state) {
   assert_true(set.report.coverage >= 0.99 * set.report.coverable);
   assert_true(set.report.unreachable == 0.0);
   olx_probe_set_free(&set);
-  // Texels that are too large everywhere: all is seen, nothing is seen well.
+  // At this resolution texels are too large everywhere: all surfaces are seen, and none is seen well.
   rules->forbidden_count = 0;
   settings.count = 3;
   settings.resolution = 8;
@@ -506,7 +506,7 @@ static void probe_files_come_back(void **state) {
   olx_scene_free(scene);
 }
 
-// Marks say what the report says, and the skeleton lies in the space that matters.
+// The marks of missed surfaces agree with the report, and the skeleton is inside the room.
 static void marks_tell_what_is_missed(void **state) {
   (void)state;
   olx_scene *scene = made_finish(start_divided_room());
@@ -537,8 +537,8 @@ static void marks_tell_what_is_missed(void **state) {
   olx_scene_free(scene);
 }
 
-// A room with an open window in a wall, floor and walls from both sides, and ground around it: the bounds hold much
-// free space outside, which a camera in the room sees and no probe has to stand in.
+// A room has an open window in a wall, floor and walls that face both sides, and ground around it: the bounds contain
+// much free space outside, which a camera in the room sees but no probe may be in.
 static void no_probe_leaves_through_a_window(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -548,7 +548,7 @@ static void no_probe_leaves_through_a_window(void **state) {
   made_quad(scene, olx_v3(0, 1, -2), olx_v3(4, 0, 0), olx_v3(0, 2, 0), m);
   made_quad(scene, olx_v3(0, 1, 2), olx_v3(4, 0, 0), olx_v3(0, 2, 0), m);
   made_quad(scene, olx_v3(-2, 1, 0), olx_v3(0, 0, 4), olx_v3(0, 2, 0), m);
-  made_quad(scene, olx_v3(2, 0.5f, 0), olx_v3(0, 0, 4), olx_v3(0, 1, 0), m); // the window is above
+  made_quad(scene, olx_v3(2, 0.5f, 0), olx_v3(0, 0, 4), olx_v3(0, 1, 0), m); // the wall below the window
   add_camera(scene, olx_v3(-1, 1, 0), olx_v3(1, 1, 0));
   made_finish(scene);
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_COVER; method++) {

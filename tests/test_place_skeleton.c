@@ -1,4 +1,4 @@
-// Tests skeletons of spaces whose medial axis is known, and what the optimizer promises.
+// Tests skeletons of spaces whose medial axis is known, and the guarantees of the optimizer.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/optimize.h"
@@ -19,7 +19,7 @@ static olx_scene *cube(void) {
   return made_finish(scene);
 }
 
-// The only place of a cube that is a ridge to no corner is its centre.
+// The centre is the only point of a cube's skeleton that is not on a ridge to a corner.
 static void a_cube_has_its_probe_in_the_centre(void **state) {
   (void)state;
   olx_scene *scene = cube();
@@ -46,7 +46,7 @@ static void far_voxels_are_far_from_surfaces(void **state) {
   assert_true(count > 10 && count < space.place_count / 3);
   for (uint32_t i = 0; i < count; i++) {
     assert_true(olx_space_allows(&space, items[i].place));
-    // Two voxels from centre to centre of the solid one, which the surface touches.
+    // A place is at least two voxels, centre to centre, from a solid voxel, which the surface may touch anywhere.
     const float reach = (2.0f - 0.5f * sqrtf(3.0f) - 0.01f) * space.voxels.size;
     assert_true(olx_bvh_distance(scene->bvh, items[i].place, 1.0f) >= olx_min(reach, 1.0f));
   }
@@ -55,7 +55,7 @@ static void far_voxels_are_far_from_surfaces(void **state) {
   olx_scene_free(scene);
 }
 
-// Each ball is free of surfaces and touches two, apart from each other.
+// Each medial ball contains no surface and touches two points of surfaces, apart from each other.
 static void medial_balls_touch_two_surfaces(void **state) {
   (void)state;
   const char *const names[] = {"builtin:cornell", "builtin:pillars"};
@@ -79,7 +79,7 @@ static void medial_balls_touch_two_surfaces(void **state) {
       assert_true(olx_bvh_distance(scene->bvh, b->other, 1.0f) < slack);
       assert_true(fabsf(olx_length(olx_sub(b->other, b->centre)) - b->radius) < slack);
       assert_true(olx_bvh_distance(scene->bvh, b->centre, b->radius) >= 0.97f * b->radius);
-      assert_true(olx_length(olx_sub(b->other, first)) > 0.99f * b->radius); // 60 degrees
+      assert_true(olx_length(olx_sub(b->other, first)) > 0.99f * b->radius); // at least 60 degrees apart
     }
     olx_release(balls);
     olx_surfels_free(&surfels);
@@ -125,7 +125,7 @@ static void the_count_sets_the_granularity(void **state) {
   olx_scene_free(scene);
 }
 
-// F(x) = (R0 x + (R1 - R0) x^2 / 2) / ((R0 + R1) / 2).
+// The distribution function is F(x) = (R0 x + (R1 - R0) x^2 / 2) / ((R0 + R1) / 2).
 static void the_linear_sampler_has_its_distribution(void **state) {
   (void)state;
   enum { DRAWS = 20000, BINS = 50 };
@@ -152,12 +152,12 @@ static void expect_mean(const double mean[3], double x, double y, double z) {
   assert_true(fabs(mean[2] - z) < 0.008);
 }
 
-// Means of the draws, half a side being 0.5, in closed form. A line from 0 to 1 has its mean at 2/3.
+// Compares means of the draws with their closed form; half a side is 0.5. A line from 0 to 1 has its mean at 2/3.
 static void support_samples_follow_the_fitness(void **state) {
   (void)state;
   enum { DRAWS = 16000 };
   double one[8] = {0}, along_z[8], mean_one[3] = {0}, mean_z[3] = {0};
-  one[5] = 1.0; // +x, -y, +z
+  one[5] = 1.0; // the corner at +x, -y, +z
   for (uint32_t i = 0; i < 8; i++) along_z[i] = i & 4 ? 1.0 : 0.0;
   for (uint32_t i = 0; i < DRAWS; i++) {
     float random[7];
@@ -171,9 +171,10 @@ static void support_samples_follow_the_fitness(void **state) {
       mean_z[d] += (b3[d] - (d + 1)) / DRAWS;
     }
   }
-  // One good corner: z leans by 1/6; y by as much on one of the two edges that z mixes, 2/3 of it; x on one of four.
+  // With one good corner, z leans by 1/6; y by as much on one of the two edges that z mixes, which counts 2/3; x on one
+  // of four.
   expect_mean(mean_one, 2.0 / 27.0, -1.0 / 9.0, 1.0 / 6.0);
-  // Fitness along z alone: x and y are uniform.
+  // With fitness along z alone, x and y are uniform.
   expect_mean(mean_z, 0.0, 0.0, 1.0 / 6.0);
 }
 
@@ -215,7 +216,7 @@ static double reward_of(const arena *a, const olx_candidate *probes, uint32_t co
   return reward;
 }
 
-// Two probes in one corner: either optimizer brings them out, and tells the reward that the probes have.
+// Either optimizer moves two probes out of one corner, and reports the reward that the probes have.
 static void a_bad_start_gets_better(void **state) {
   (void)state;
   arena a = start_arena(made_finish(start_divided_room()));

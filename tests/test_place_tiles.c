@@ -1,5 +1,5 @@
-// Tests placement in space that is cut into tiles: floods by bricks, covers that depend on no order, and what is not
-// reached.
+// Tests placement in space that is divided into tiles: floods by bricks, covers that do not depend on the order of
+// tiles, and surfaces that are not reached.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
@@ -23,8 +23,8 @@ static void divide(olx_scene *scene, float x, float from, float to) {
             matte(scene));
 }
 
-// Five rooms in a row with doors of one metre between them, but for the last one when that is sealed. The camera is in
-// the first.
+// Makes five rooms in a row with doors of one metre between them, except to the last room when it is sealed. The camera
+// is in the first room.
 static olx_scene *load_hall(bool sealed) {
   olx_scene *scene = made_scene();
   made_quad(scene, olx_v3(0.5f * HALL_LENGTH, 0, 0.5f * HALL_WIDTH), olx_v3(0, 0, HALL_WIDTH),
@@ -54,7 +54,7 @@ static olx_place_settings hall_settings(const olx_scene *scene) {
   return settings;
 }
 
-// One voxel in so many is made of triangles, so that space is full of caves.
+// Scatters 400 large parallelograms in a cube of 20 m, so that space is full of caves.
 static olx_scene *load_caves(uint32_t seed) {
   olx_scene *scene = made_scene();
   const uint32_t material = matte(scene);
@@ -68,7 +68,8 @@ static olx_scene *load_caves(uint32_t seed) {
   return made_finish(scene);
 }
 
-// Labels every voxel by its state in the world of bricks, free ones with 0, for comparison with a flood voxel by voxel.
+// Labels every voxel by its state in the world of bricks, free voxels with 0, for comparison with a flood voxel by
+// voxel.
 static void label_voxels(const olx_world *world, const olx_voxels *v, uint32_t *labels) {
   for (size_t i = 0; i < v->total; i++) {
     uint32_t voxel[3];
@@ -91,7 +92,7 @@ static void expect_same_flood(olx_world *world, const olx_voxels *v, size_t star
   }
 }
 
-// In caves of 37 voxels a side, which bricks of eight do not fill.
+// The caves have 37 voxels a side, which is no multiple of a brick's eight.
 static void floods_by_bricks_reach_what_floods_by_voxels_reach(void **state) {
   (void)state;
   for (uint32_t seed = 0; seed < 3; seed++) {
@@ -113,7 +114,7 @@ static void floods_by_bricks_reach_what_floods_by_voxels_reach(void **state) {
   }
 }
 
-// Covers the tiles of each colour forwards or backwards.
+// Covers the hall with the tiles of each colour in forward or backward order.
 static olx_tile_probes cover_hall(olx_world *world, const olx_scene *scene, bool backwards) {
   olx_place_settings settings = hall_settings(scene);
   settings.coverage = 0.999f;
@@ -136,7 +137,7 @@ static void the_order_of_tiles_does_not_matter(void **state) {
   (void)state;
   olx_scene *scene = load_hall(false);
   olx_world world;
-  // Of 0.125 m, so that there are several tiles of one colour.
+  // Voxels are 0.125 m wide, so that there are several tiles of one colour.
   ASSERT_OK(olx_world_create_tiled(scene, 0.125f, 2, &world));
   assert_true(world.tile_total >= 4);
   olx_tile_probes forwards = cover_hall(&world, scene, false), backwards = cover_hall(&world, scene, true);
@@ -176,13 +177,13 @@ static void a_count_is_kept_in_tiles(void **state) {
   settings.count = 3;
   olx_probe_set set = place(scene, &settings);
   assert_int_equal(set.count, 3);
-  // A room each, and what is seen of others through doors.
+  // Each probe covers a room, and what it sees of others through doors.
   assert_true(set.report.coverage > 0.55);
   olx_probe_set_free(&set);
   olx_scene_free(scene);
 }
 
-// Both sides that face the sealed room: floor, ceiling, two long walls and two short ones.
+// The uncovered area is that of the sealed room's inner surfaces: floor, ceiling, two long walls and two short ones.
 static void a_sealed_room_is_told_in_square_metres(void **state) {
   (void)state;
   const double room = 2.0 * (double)(ROOM_LENGTH * HALL_WIDTH + ROOM_LENGTH * HALL_HEIGHT + HALL_WIDTH * HALL_HEIGHT);
@@ -193,7 +194,7 @@ static void a_sealed_room_is_told_in_square_metres(void **state) {
   assert_close(set.report.reached_m2, 4.0 * room, 0.1 * room, "surface that is reached");
   for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.x < 4.0f * ROOM_LENGTH);
   olx_probe_set_free(&set);
-  // A pinned probe opens it.
+  // A pinned probe makes the sealed room count as reached.
   olx_probe_rules *rules = &scene->probe_rules;
   rules->pinned = olx_allocate(1, sizeof *rules->pinned);
   assert_non_null(rules->pinned);
@@ -206,7 +207,7 @@ static void a_sealed_room_is_told_in_square_metres(void **state) {
   olx_scene_free(scene);
 }
 
-// Voxels as large as doors close them: four rooms are not reached, and never count as covered.
+// Voxels as large as doors close them, so that four rooms are not reached, and never count as covered.
 static void coarse_voxels_close_doors(void **state) {
   (void)state;
   olx_scene *scene = load_hall(false);

@@ -1,4 +1,4 @@
-// Tests where the curves and bars of a report's plots end up, by the numbers in the SVG.
+// Tests where the curves and bars of a report's plots are, by the numbers in the SVG.
 #include "plot.h"
 
 #include <math.h>
@@ -14,7 +14,8 @@ typedef struct point {
   double x, y;
 } point;
 
-// The points of the first curve; returns how many, and in *strokes how many pieces it is drawn in.
+// Reads the points of the first curve; returns how many there are, and in *strokes the number of pieces that it is
+// drawn in.
 static int read_curve(const char *svg, point points[16], int *strokes) {
   const char *text = strstr(svg, "<path class=\"curve c0\" d=\"");
   assert_non_null(text);
@@ -54,7 +55,7 @@ static void a_power_law_is_straight_on_logarithmic_axes(void **state) {
   assert_int_equal(read_curve(svg, p, &strokes), 4);
   assert_int_equal(strokes, 1);
   for (int i = 1; i < 4; ++i) {
-    assert_true(fabs((p[i].x - p[i - 1].x) - (p[1].x - p[0].x)) < 0.11); // one decimal is written
+    assert_true(fabs((p[i].x - p[i - 1].x) - (p[1].x - p[0].x)) < 0.11); // coordinates are written with one decimal
     assert_true(fabs((p[i].y - p[i - 1].y) - (p[1].y - p[0].y)) < 0.11);
   }
   assert_true(p[1].x > p[0].x && p[1].y > p[0].y);
@@ -95,7 +96,7 @@ static void axes_hold_every_value_and_linear_ones_begin_at_zero(void **state) {
   int strokes;
   read_curve(svg, p, &strokes);
   for (int i = 0; i < 2; ++i) assert_true(p[i].x >= 58.0 && p[i].x <= 426.0 && p[i].y >= 24.0 && p[i].y <= 210.0);
-  // Linear in y, from 0 at the bottom.
+  // The y axis is linear, from 0 at the bottom.
   assert_true(fabs((210.0 - p[1].y) / (210.0 - p[0].y) - 90.0 / 40.0) < 0.01);
   free(svg);
 }

@@ -1,5 +1,5 @@
-# The Python package: its structures are those of the headers, and one that drifts is found; it does what it says; its
-# arrays cost no time; its wheel installs into a fresh environment. Skipped without NumPy.
+# The Python package: its structures agree with the headers, and a header that differs is found; its functions work; its
+# arrays are not copied slowly; its wheel installs into a fresh environment. Skipped without NumPy.
 set -euo pipefail
 build=$(dirname "$OCTALUX")
 source=$OCTALUX_SOURCE_DIR
@@ -13,7 +13,7 @@ export PYTHONPATH=$source/python OCTALUX_LIBRARIES=$build/src PYTHONDONTWRITEBYT
 fail() { echo "FAILED: $1"; exit 1; }
 
 "$python" "$source/tests/python_layouts.py" "$source/include"
-# drifts SED-SCRIPT HEADER PATTERN: a header changed like this is found.
+# drifts SED-SCRIPT HEADER PATTERN: checks that a header changed by the script is found to differ.
 drifts() {
   rm -rf "$work/include"
   cp -r "$source/include" "$work/include"
@@ -35,7 +35,7 @@ drifts 's/olx_vec3 olx_field_probe_position(/float olx_field_probe_position(/' f
 "$OCTALUX" bake builtin:cornell -o "$work/a.olx" --radiance-size 128 --noise 0.2 >/dev/null
 "$python" "$source/tests/python_speed.py" "$work/a.olx" 200000 5
 
-# The runtime alone serves where the baker cannot be loaded, and says so when the baker is asked for.
+# Where the baker's library is missing, the runtime alone works, and a call of the baker says what is missing.
 mkdir "$work/runtime"
 cp "$build/src/liboctalux.so" "$work/runtime"
 OCTALUX_LIBRARIES=$work/runtime "$python" - "$work/a.olx" <<'PYTHON'
@@ -52,7 +52,7 @@ PYTHON
 OCTALUX_LIBRARIES=$work "$python" -c 'import octalux' 2>"$work/stderr.txt" && fail "imported without libraries"
 grep -q "ImportError: Octalux's libraries cannot be loaded" "$work/stderr.txt" || fail "$(cat "$work/stderr.txt")"
 
-# The wheel: the same bytes each time, what it bundles, and an installation of its own.
+# The wheel has the same bytes each time, contains what it should, and installs into an environment of its own.
 wheel=$("$python" "$source/python/wheel_backend.py" "$build" "$work/wheel")
 [ "$("$python" "$source/python/wheel_backend.py" "$build" "$work/again")" != "" ] && cmp "$wheel" "$work/again/$(basename "$wheel")"
 "$python" - "$wheel" <<'PYTHON'

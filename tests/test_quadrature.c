@@ -1,4 +1,4 @@
-// Tests the baker's integrals over directions: irradiance and filtered distances against what calculus gives.
+// Tests the baker's integrals over directions: irradiance and filtered distances against their closed forms.
 #include "bake/quadrature.h"
 #include "core/hooks.h"
 
@@ -71,7 +71,7 @@ static void solid_angles_sum_to_the_sphere(void **state) {
   olx_quadrature_free(&q);
 }
 
-// A lobe cos^e over distances that are linear in direction, a + b . d, returns a + b . n (e + 1) / (e + 2).
+// For distances a + b . d, which are linear in direction, a lobe cos^e returns a + b . n (e + 1) / (e + 2).
 static void moments_are_filtered_with_the_lobe(void **state) {
   (void)state;
   const uint32_t sizes[] = {16, 64, 128};
@@ -92,7 +92,8 @@ static void moments_are_filtered_with_the_lobe(void **state) {
       const float along = olx_dot(slope, olx_texel_direction(i % n, i / n, n));
       assert_float_equal(map[i].x, 0.5f + shrink * along, 5e-4f);
       assert_true(map[i].y >= map[i].x * map[i].x);
-      // E[(b . d)^2] over the lobe: along^2 E[c^2] + |b across|^2 E[1 - c^2] / 2, with E[c^2] = (e + 1) / (e + 3).
+      // The mean square over the lobe is E[(b . d)^2] = along^2 E[c^2] + |b across|^2 E[1 - c^2] / 2, with E[c^2] = (e
+      // + 1) / (e + 3).
       const float c2 = (e + 1.0f) / (e + 3.0f), across = olx_dot(slope, slope) - along * along;
       const float square = 0.25f + shrink * along + along * along * c2 + across * (1.0f - c2) * 0.5f;
       assert_float_equal(map[i].y, square, 5e-4f);

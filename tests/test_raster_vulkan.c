@@ -1,5 +1,5 @@
-// Tests the rasteriser of viewer/ on whatever Vulkan device there is, under the validation layers: its G-buffer is the
-// ray caster's, its direct light is near the path tracer's, and nothing is left behind.
+// Tests the rasteriser of viewer/ on any Vulkan device, under the validation layers: its G-buffer agrees with the ray
+// caster's, its direct light is near the path tracer's, and nothing is left behind.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "made_scenes.h"
@@ -34,7 +34,7 @@ static int close_device(void **unused) {
   return host_close_device(&device);
 }
 
-// One frame, read back.
+// A frame of the rasteriser, read back.
 typedef struct drawn_frame {
   float depth[PIXELS];
   olx_vec3 normal[PIXELS], base_color[PIXELS], material[PIXELS], color[PIXELS];
@@ -111,7 +111,7 @@ static void draw_scene(const olx_scene *scene, const olx_camera *camera, drawn_f
   rasteriser_destroy(&device, &raster);
 }
 
-// What the ray caster sees.
+// The same frame from the ray caster.
 typedef struct cast_frame {
   olx_image image;
   olx_gbuffer surfaces;
@@ -133,10 +133,10 @@ static void release_cast(cast_frame *frame) {
 }
 
 typedef struct difference {
-  uint32_t surfaces;                   // pixels where both see one
-  double edges;                        // share of pixels whose distance differs: they see another surface
-  double depth;                        // largest relative difference of distances, over the others
-  double normal, base_color, material; // largest absolute difference of a component, over 99.5 % of the others
+  uint32_t surfaces;                   // pixels where both see a surface
+  double edges;                        // share of pixels whose distance differs, since they see another surface
+  double depth;                        // largest relative difference of distances, over the other pixels
+  double normal, base_color, material; // largest absolute difference of a component, over 99.5 % of the other pixels
 } difference;
 
 static int by_value(const void *a, const void *b) {
@@ -179,7 +179,7 @@ static difference compare(const drawn_frame *drawn, const cast_frame *cast) {
   return d;
 }
 
-// Relative MSE and bias of direct light, over pixels that do not themselves shine.
+// Computes relative MSE and bias of direct light, over pixels that do not emit.
 static void compare_light(const drawn_frame *drawn, const cast_frame *cast, double *error, double *bias) {
   double squares = 0.0, reference = 0.0, sum = 0.0, excess = 0.0;
   for (uint32_t i = 0; i < PIXELS; i++) {
@@ -195,7 +195,7 @@ static void compare_light(const drawn_frame *drawn, const cast_frame *cast, doub
   *bias = excess / sum;
 }
 
-// Both see the same surfaces: the bounds are the roundings of half floats and of sRGB bytes.
+// Asserts that both see the same surfaces: the bounds are the rounding errors of half floats and of sRGB bytes.
 static void judge_surfaces(const drawn_frame *drawn, const cast_frame *cast, double most_edges, const char *name) {
   const difference d = compare(drawn, cast);
   print_message("%s: edges %.4f, depth %.1e, normal %.1e, base colour %.1e, material %.1e\n", name, d.edges, d.depth,
@@ -240,7 +240,8 @@ static void draws_what_rays_see(void **unused) {
   judge_builtin("builtin:cornell", 0.002, 0.01);
   judge_builtin("builtin:cornell-glossy", 0.002, 0.01);
   judge_builtin("builtin:labyrinth", 0.02, 0.08);
-  judge_builtin("builtin:area-light", 0.1, 0.04); // the lamp in the polished floor is blurred discs
+  // A wide bound, since the rasteriser blurs the lamp's reflection in the polished floor into discs.
+  judge_builtin("builtin:area-light", 0.1, 0.04);
   judge_builtin("builtin:pillars", 0.03, 0.08);
 }
 
@@ -251,7 +252,7 @@ static const olx_camera FROM_ABOVE = {
 
 static uint8_t random_byte(uint32_t i) { return (uint8_t)(made_random(7, i).x * 255.0f); }
 
-// A texture of few, large texels, so that the picture magnifies it and no level but the first is read.
+// Makes a texture of few, large texels, so that the picture magnifies it and only the finest level is read.
 static uint32_t random_texture(olx_scene *scene, uint32_t seed, bool srgb, uint8_t least, uint8_t most) {
   uint8_t rgba[4 * 4 * 4];
   for (uint32_t i = 0; i < sizeof rgba; i++) {
@@ -269,7 +270,7 @@ static olx_material plain(void) {
   return material;
 }
 
-// A plain square below what is there, lit by a sun that comes down slantwise.
+// Adds a plain square below the scene, lit by a slanting sun.
 static olx_scene *made_surroundings(olx_scene *scene) {
   const olx_material below = plain();
   made_quad(scene, olx_v3(0, -0.5f, 0), olx_v3(0, 0, 8), olx_v3(8, 0, 0), made_material(scene, &below));
@@ -279,7 +280,7 @@ static olx_scene *made_surroundings(olx_scene *scene) {
   return made_finish(scene);
 }
 
-// Releases the scene, which is not finished yet.
+// Compares a scene, which is not finished yet, and releases it.
 static void judge_scene(const char *name, olx_scene *scene, double most_edges, double most_normal) {
   cast_frame cast;
   made_surroundings(scene);
@@ -294,9 +295,9 @@ static void judge_scene(const char *name, olx_scene *scene, double most_edges, d
   assert_true(d.edges <= most_edges);
   assert_true(d.depth < 1e-4);
   assert_true(d.normal < most_normal);
-  assert_true(d.base_color < 1e-2); // texture units filter with eight bits between texels
+  assert_true(d.base_color < 1e-2); // a wide bound, since texture units interpolate with eight bits
   assert_true(d.material < 1e-2);
-  assert_true(error < 0.03); // the shadow's edge
+  assert_true(error < 0.03); // the error is at the shadow's edge
   assert_true(fabs(bias) < 0.02);
   assert_int_equal(device.validation_messages, 0);
   release_cast(&cast);
@@ -357,7 +358,7 @@ static void normals_are_bent(void **unused) {
   judge_material("height map", &m, scene, 0.005, 5e-2);
 }
 
-// A square with a material, and with all that vertices may have.
+// Makes a square with a material, and with every attribute that vertices may have.
 static void made_rich_square(olx_scene *scene, const olx_material *material) {
   const olx_vec3 corners[4] = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}},
                  up[4] = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
@@ -408,7 +409,7 @@ static void add_light(olx_scene *scene, const olx_light *light) {
   assert_int_equal(olx_scene_add_light(scene, light), OLX_OK);
 }
 
-// A square that hovers over a floor, whose shadow each kind of light casts.
+// Compares the shadow that a square casts on a floor under a light.
 static void judge_lamp(const char *name, const olx_light *light, double most_error, double most_bias) {
   olx_scene *scene = made_scene();
   const olx_material m = plain();
@@ -437,7 +438,7 @@ static void every_lamp_casts_its_shadow(void **unused) {
                             .emission = {9, 8, 7},
                             .cosine_inner = 0.95f,
                             .cosine_outer = 0.8f};
-  olx_light wide = narrow; // more than one view can show
+  olx_light wide = narrow; // a cone wider than one view of a shadow map can show
   wide.cosine_inner = 0.2f;
   wide.cosine_outer = -0.1f;
   judge_lamp("sun", &sun, 0.02, 0.02);
@@ -446,7 +447,7 @@ static void every_lamp_casts_its_shadow(void **unused) {
   judge_lamp("wide spot", &wide, 0.02, 0.02);
 }
 
-// A sphere of sky around a small square: every direction is looked up as the path tracer does, and lights from all
+// The sky surrounds a small square: every direction is looked up as by the path tracer, and lights the square from all
 // sides.
 static void the_sky_is_where_rays_find_it(void **unused) {
   (void)unused;
@@ -480,7 +481,7 @@ static void the_sky_is_where_rays_find_it(void **unused) {
 
 // ---- frames
 
-// A byte of the tone map: a shoulder above 0.6, then sRGB.
+// Returns the tone map's value: a shoulder above 0.6, then sRGB.
 static float tone(float x) {
   const float bent = x <= 0.6f ? x : 0.6f + 0.4f * (1.0f - expf((0.6f - x) / 0.4f));
   return 255.0f * (bent <= 0.0031308f ? 12.92f * bent : 1.055f * powf(bent, 1.0f / 2.4f) - 0.055f);
@@ -502,7 +503,7 @@ static void the_picture_is_tone_mapped(void **unused) {
   olx_scene_free(scene);
 }
 
-// The eye that is moved with the scene sees the same.
+// A camera that moves with the scene sees the same picture.
 static void scenes_can_be_moved(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -514,10 +515,10 @@ static void scenes_can_be_moved(void **unused) {
   const olx_scene_content content = olx_scene_get_content(scene);
   const lamp_settings none = {.map_size = 16, .sun_tiles = 1};
   assert_true(rasteriser_create(&device, &content, &none, 8, 8, &raster));
-  assert_int_equal(raster.shadows.lamp_count, 0); // emissive surfaces alone light this scene
+  assert_int_equal(raster.shadows.lamp_count, 0); // only emissive surfaces light this scene
   assert_true(rasteriser_resize(&device, &raster, WIDTH, HEIGHT));
   const draw_item here = draw_item_in_place(&raster.scene);
-  // A quarter turn about y, twice the size, and a shift: (x, y, z) to (2z + 3, 2y - 1, 2 - 2x).
+  // The transform is a quarter turn about y, twice the size, and a shift: (x, y, z) to (2z + 3, 2y - 1, 2 - 2x).
   const draw_item there = {.scene = &raster.scene, .to_world = {0, 0, 2, 3, 0, 2, 0, -1, -2, 0, 0, 2}};
   olx_camera moved = camera;
   moved.eye = olx_v3(2 * camera.eye.z + 3, 2 * camera.eye.y - 1, 2 - 2 * camera.eye.x);
@@ -558,7 +559,8 @@ static void what_cannot_be_is_refused(void **unused) {
   olx_camera camera = content.cameras[0];
   camera.target = camera.eye;
   assert_false(raster_view_make(&camera, WIDTH, HEIGHT, 0.1f, &view));
-  // Memory that no device has: the message names what it was for, and what was made before is gone again.
+  // This allocation is larger than any device's memory: the message names its purpose, and earlier objects are
+  // destroyed again.
   assert_true(rasteriser_create(&device, &content, &lamps, WIDTH, HEIGHT, &raster));
   gpu_buffer vast;
   assert_false(
@@ -567,7 +569,7 @@ static void what_cannot_be_is_refused(void **unused) {
   assert_null(vast.buffer);
   assert_false(rasteriser_resize(&device, &raster, 1u << 20, HEIGHT));
   assert_non_null(strstr(device.problem, "the device has no images of 1048576 x 72 pixels"));
-  assert_true(rasteriser_resize(&device, &raster, HEIGHT, WIDTH)); // and may be tried again
+  assert_true(rasteriser_resize(&device, &raster, HEIGHT, WIDTH)); // resizing may be tried again
   rasteriser_destroy(&device, &raster);
   assert_false(gpu_device_open(&(gpu_device_options){.device = 15}, &other));
   assert_non_null(strstr(other.problem, "there is no Vulkan device 15"));

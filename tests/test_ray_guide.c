@@ -11,7 +11,7 @@
 
 enum { RAYS = 4096 };
 
-// Light that comes from one corner of the square, and a little from everywhere.
+// Returns light that comes mostly from one corner of the square, and a little from everywhere.
 static float corner_light(olx_vec2 p) { return p.x > 0.8f && p.y < 0.2f ? 10.0f : 0.1f; }
 
 static olx_ray_pool learn(float (*light)(olx_vec2)) {
@@ -52,7 +52,7 @@ static void where_all_directions_bring_alike_rays_stay_even(void **state) {
   }
 }
 
-// The mean of light over density is the mean of light, and varies as much less as the pool says.
+// The mean of light over density is the mean of light, and its variance is lower by the factor that the pool predicts.
 static void guided_rays_find_the_same_mean_with_less_variance(void **state) {
   (void)state;
   const olx_ray_pool pool = learn(corner_light);
@@ -72,7 +72,7 @@ static void guided_rays_find_the_same_mean_with_less_variance(void **state) {
   assert_float_equal((float)ratio, pool.spread, 0.2f * pool.spread);
 }
 
-// Rays fall into each bin as often as its density says.
+// Rays fall into each bin as often as its density predicts.
 static void rays_follow_the_density(void **state) {
   (void)state;
   const olx_ray_pool pool = learn(corner_light);

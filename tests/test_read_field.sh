@@ -2,7 +2,7 @@
 source "$(dirname "$0")/cli/expect.sh"
 reader=$OCTALUX_SOURCE_DIR/tests/read_field.py
 
-# agree SCENE OPTIONS...
+# agree SCENE OPTIONS...: bakes a field and checks that the independent reader agrees with octalux info.
 agree() {
   local scene=$1
   shift
@@ -26,7 +26,7 @@ agree cornell --grid 2x1x1 --radiance-size 16 --bounces 1 --samples 1 --relight
 LC_ALL=C grep -qa RLIT a.olx || fail "a field that can be relit has no chunk RLIT"
 agree two-rooms-gap --grid 2x1x1 --radiance-size 8 --bounces 0 --samples 1 --relight
 
-# Blocks decode to what texels hold, and texels have as much said of them.
+# Blocks decode to nearly the same values as texels, and the reader checks texels as thoroughly.
 agree cornell-glossy --grid 2x1x1 --radiance-size 32 --bounces 1 --noise 0.1 --uncompressed
 mv a.olx texels.olx
 agree cornell-glossy --grid 2x1x1 --radiance-size 32 --bounces 1 --noise 0.1
@@ -38,7 +38,7 @@ assert max(e["direct"], e["indirect"]) < 3e-3 and e["base_color"] < 2e-3, e
 assert max(e["roughness"], e["weight"], e["metallic"]) < 0.02, e
 PYTHON
 
-# Far from the origin positions are relative to one of the field's own.
+# Far from the origin, positions are relative to an origin that the field states.
 echo '{"model": "builtin:cornell", "translate": [1e7, 0, -1e6]}' >far.json
 agree far.json --grid 1x1x1 --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1
 grep -q '"origin":\s*\[10000000, *0, *-1000000\]' stdout.txt || fail "a field far away has no origin"
@@ -46,7 +46,7 @@ LC_ALL=C grep -qa ORIG a.olx || fail "a field far away has no chunk ORIG"
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1
 LC_ALL=C grep -qa ORIG a.olx && fail "a field at the origin has a chunk ORIG"
 
-# It can also say no.
+# The reader reports a difference.
 sed 's/"probes": *1,/"probes":2,/' stdout.txt >other.json
 cmp -s stdout.txt other.json && fail "the number of probes is not in the information"
 python3 "$reader" a.olx other.json 2>stderr.txt && fail "the reader sees no difference"

@@ -1,4 +1,4 @@
-// Tests relighting against what follows in closed form and against a fresh bake of the changed scene, and its schedule.
+// Tests relighting against closed forms and against a fresh bake of the changed scene, and tests its schedule.
 #include "field/texels.h"
 #include "relight/relighter.h"
 #include "relight/relit_tiles.h"
@@ -19,7 +19,7 @@ static void never(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_
   memset(occluded, 0, count);
 }
 
-// A field of the scene, baked for relighting with small maps.
+// Bakes a field of the scene for relighting, with small maps.
 static olx_field *bake(const scene_folder *folder, const char *name, const olx_scene *scene, const uint32_t counts[3]) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   ASSERT_OK(olx_scene_probe_grid(scene, counts, &settings.grid));
@@ -57,7 +57,7 @@ static olx_vec3 irradiance_at(const olx_field *field, olx_vec3 position, olx_vec
   return olx_surface_irradiance(field, &sample, position, normal, normal, normal);
 }
 
-// ---- A closed box of albedo a that a sky lights through its walls: its surfaces send a L / (1 - a)
+// ---- A closed box of albedo a that a sky lights through its walls: its surfaces reflect a L / (1 - a)
 
 static const float albedo = 0.5f;
 
@@ -85,7 +85,7 @@ static void assert_color(olx_vec3 value, olx_vec3 expected, float tolerance) {
   assert_near(value.z, expected.z, tolerance);
 }
 
-// Whether walls, all texels and free space have the light of a furnace in which surfaces send `sent`.
+// Asserts that walls, all texels and free space have the light of a furnace in which surfaces send `sent`.
 static void assert_furnace(const olx_field *field, olx_vec3 sent, float tolerance) {
   const olx_vec3 places[] = {{0.0f, -1.0f, 0.0f}, {1.0f, 0.2f, -0.3f}, {-0.4f, 0.9f, 1.0f}};
   const olx_vec3 normals[] = {{0.0f, 1.0f, 0.0f}, {-1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}};
@@ -117,26 +117,25 @@ static void test_furnace(void **state) {
   assert_true(run(relight, dark, 200) < 200);
   assert_furnace(olx_relight_field(relight), sent, 0.02f);
   assert_direct(olx_relight_field(relight), olx_scale(sky.emission, OLX_PI));
-  // The same lights again change nothing.
+  // Giving the same lights again changes nothing.
   ASSERT_OK(olx_relight_set_lights(relight, &sky, 1));
   for (uint32_t i = 0; i < 20; i++) {
     ASSERT_OK(olx_relight_frame(relight, dark, NULL));
     assert_furnace(olx_relight_field(relight), sent, 0.02f);
   }
-  // Without lights it gets dark.
+  // Without lights the field becomes dark.
   ASSERT_OK(olx_relight_set_lights(relight, NULL, 0));
   assert_true(run(relight, dark, 200) < 200);
   assert_furnace(olx_relight_field(relight), dark, 0.0f);
   assert_direct(olx_relight_field(relight), dark);
-  // The field that was baked never changed.
+  // The baked field itself never changes.
   assert_furnace(field, dark, 0.0f);
   olx_relight_free(relight);
   olx_field_close(field);
   olx_scene_free(scene);
 }
 
-// ---- Cornell boxes whose lamp has a companion, which hangs clear of the blocks: beside them relit light is worse
-// (below)
+// ---- Cornell boxes with a second lamp, which hangs away from the blocks, since light near blocks is less precise
 
 static olx_scene *companion(const scene_folder *folder, const char *position) {
   char text[400];
@@ -155,15 +154,15 @@ static void give_lights(olx_relight *relight, const olx_scene *scene) {
   olx_light lights[LIGHTS];
   uint32_t count;
   ASSERT_OK(olx_scene_relight_lights(scene, lights, LIGHTS, &count));
-  assert_int_equal(count, 3); // the lamp is two triangles
+  assert_int_equal(count, 3); // the ceiling lamp is two triangles
   ASSERT_OK(olx_relight_set_lights(relight, lights, count));
 }
 
 typedef struct difference {
-  double mean, rms; // shares of the mean
+  double mean, rms; // differences as shares of the mean irradiance
 } difference;
 
-// Of irradiance on what a camera in the room's middle sees.
+// Compares the irradiance of two fields on the surfaces that a camera in the room's middle sees.
 static difference compare(const olx_scene *scene, const olx_field *a, const olx_field *b) {
   const olx_vec3 eye = {0.28f, 0.27f, 0.1f};
   double sum = 0.0, off = 0.0, squares = 0.0;
@@ -206,7 +205,7 @@ static void test_arrives_at_a_fresh_bake(void **state) {
   olx_scene_free(moved);
 }
 
-// By how much light changes that is found anew for the lights of its bake.
+// Returns how much light changes when a field is relit by the lights of its bake.
 static difference relit_by_its_own_lights(const scene_folder *folder, const char *lamp) {
   olx_scene *scene = companion(folder, lamp);
   olx_field *field = bake(folder, "a.olx", scene, two);
@@ -224,13 +223,14 @@ static difference relit_by_its_own_lights(const scene_folder *folder, const char
   return d;
 }
 
-// With the lights of the bake a field stays as it was baked.
+// Relit by the lights of its bake, a field keeps its baked light.
 static void test_lights_of_the_bake_change_little(void **state) {
   const difference d = relit_by_its_own_lights(*state, "[0.2, 0.42, 0.2]");
   assert_true(fabs(d.mean) < 0.04 && d.rms < 0.06);
 }
 
-// Close to a block light varies faster than surfels are spaced: a limit of relighting that docs/relighting.md names.
+// Close to a block light varies over shorter distances than surfels are spaced: a limit of relighting that
+// docs/relighting.md describes.
 static void test_light_close_to_a_lamp_is_coarse(void **state) {
   const difference d = relit_by_its_own_lights(*state, "[0.1, 0.12, 0.1]");
   assert_true(fabs(d.mean) < 0.05 && d.rms < 0.2);
@@ -269,7 +269,7 @@ static void test_same_for_any_number_of_threads(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- A niche behind a wall, round whose end no probe looks
+// ---- A niche behind a wall, whose end no probe can look around
 
 static const olx_light niche_lamp = {
     .type = OLX_LIGHT_POINT, .emission = {2.0f, 2.0f, 2.0f}, .position = {0.75f, 0.3f, -0.2f}};
@@ -303,7 +303,7 @@ static void test_light_from_where_no_probe_looks(void **state) {
   assert_true(run(relight, olx_splat(0.0f), 200) < 200);
   const difference d = compare(scene, olx_relight_field(relight), fresh);
   print_message("mean off by %.3f, rms %.3f\n", d.mean, d.rms);
-  // Surfels that no probe sees are few, and stand for more surface than those that one sees: docs/relighting.md.
+  // Surfels that no probe sees are few, and each represents more surface than those that are seen: docs/relighting.md.
   assert_true(fabs(d.mean) < 0.03 && d.rms < 0.15);
   olx_relight_free(relight);
   olx_field_close(field);
@@ -441,14 +441,14 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   olx_relight_settings settings = olx_relight_settings_default();
   settings.occlusion = olx_scene_occlusion;
   settings.user = scene;
-  settings.sleep = 1e-6f; // the light of the bake, which was in both rooms, fades to about this share
+  settings.sleep = 1e-6f; // the baked light, which was in both rooms, fades to about this share
   olx_relight *relight = begin(field, &settings);
   const olx_vec3 lit = field->probe_positions[3];
   const olx_light lamp = {.type = OLX_LIGHT_POINT, .emission = olx_splat(3.0f), .position = lit};
   ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
   assert_true(run(relight, lit, 300) < 300);
   const olx_field *now = olx_relight_field(relight);
-  double light[2] = {0}; // on the lamp's side of the wall, on the other
+  double light[2] = {0}; // the light on the lamp's side of the wall, and on the other side
   for (uint32_t probe = 0; probe < 8; probe++) {
     const bool other = (field->probe_positions[probe].x > 0.0f) != (lit.x > 0.0f);
     for (size_t i = 0; i < now->texels; i++) light[other] += (double)olx_luminance(olx_texel_indirect(now, probe, i));
@@ -465,7 +465,7 @@ static void test_other_rooms_stay_dark_and_rest_costs_nothing(void **state) {
   olx_scene_free(scene);
 }
 
-// ---- What must be refused
+// ---- Refusals
 
 static void test_refuses_settings_and_lights(void **state) {
   const scene_folder *folder = *state;
@@ -517,7 +517,7 @@ static void test_refuses_settings_and_lights(void **state) {
 #undef REFUSED
   static olx_light many[257];
   assert_int_equal(olx_relight_set_lights(relight, many, 257), OLX_ERROR_ARGUMENT);
-  // After a refusal the lights are those given before; an eye that is nowhere is one in the middle.
+  // After a refusal the earlier lights remain; a viewpoint that is not finite counts as one in the middle.
   ASSERT_OK(olx_relight_frame(relight, olx_splat(NAN), NULL));
   olx_relight_free(relight);
   olx_field_close(field);

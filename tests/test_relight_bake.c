@@ -1,5 +1,5 @@
-// Tests what a bake keeps for relighting, in a closed room whose light is known: surfels, links between them, and sites
-// of texels.
+// Tests what a bake stores for relighting, in a closed room whose light is known: surfels, links between them, and
+// sites of texels.
 #include "core/pack.h"
 #include "field/field_data.h"
 #include "field/maps.h"
@@ -8,7 +8,7 @@
 
 #include <octalux/bake.h>
 
-// A cube of 2 m, walls of one albedo, and a point light in it.
+// Makes a cube of 2 m with walls of one albedo and a point light.
 static olx_scene *room(float albedo, olx_vec3 lamp, float intensity) {
   olx_scene *scene = tiny_scene();
   olx_material walls = olx_material_default();
@@ -37,7 +37,7 @@ static olx_field *bake(const scene_folder *folder, const olx_scene *scene, uint3
   return field;
 }
 
-// What weights of links sum to.
+// Returns the sum of the weights of a surfel's links.
 static olx_vec3 sum_of_links(const olx_relight_data *d, uint32_t surfel) {
   olx_vec3 sum = {0};
   for (uint32_t i = d->link_starts[surfel]; i < d->link_starts[surfel + 1]; i++) {
@@ -48,7 +48,8 @@ static olx_vec3 sum_of_links(const olx_relight_data *d, uint32_t surfel) {
   return sum;
 }
 
-// At each corner of a block the surfels of a site weigh 255, and texels that see a surface have one.
+// Asserts that at each corner of a block the weights of a site sum to 255, and that texels that see a surface have a
+// site.
 static void assert_sites(const olx_field *field) {
   const olx_relight_data *d = &field->relight;
   for (uint32_t site = 0; site < d->header->sites; site++) {
@@ -69,7 +70,7 @@ static void assert_sites(const olx_field *field) {
   }
 }
 
-// Surfels lie on the walls of a room from -1 to 1, a little inside, and face it.
+// Asserts that surfels are on the walls of a room from -1 to 1, slightly inside, and face it.
 static void assert_surfels_on_walls(const olx_relight_data *d) {
   for (uint32_t i = 0; i < d->header->surfels; i++) {
     const olx_vec3 normal = olx_normal_unpack((uint16_t)d->surfels[i].normal);
@@ -83,7 +84,7 @@ static void assert_surfels_on_walls(const olx_relight_data *d) {
   }
 }
 
-// What arrives at a surfel over its links.
+// Returns the light that a surfel receives over its links.
 static olx_vec3 gathered(const olx_relight_data *d, uint32_t surfel, const olx_vec3 *values) {
   olx_vec3 sum = {0};
   for (uint32_t i = d->link_starts[surfel]; i < d->link_starts[surfel + 1]; i++) {
@@ -93,7 +94,7 @@ static olx_vec3 gathered(const olx_relight_data *d, uint32_t surfel, const olx_v
   return sum;
 }
 
-// Irradiance of surfels once light has gone over the stored links until it is even.
+// Computes the irradiance of surfels by passing light over the stored links until it settles.
 static void settle(const olx_relight_data *d, const olx_vec3 *direct, olx_vec3 *irradiance) {
   const uint32_t surfels = d->header->surfels;
   olx_vec3 *values = olx_allocate(surfels, sizeof *values);
@@ -105,9 +106,9 @@ static void settle(const olx_relight_data *d, const olx_vec3 *direct, olx_vec3 *
   olx_release(values);
 }
 
-// In a closed room all that a surface gets comes from walls, which reflect a share of what they get: links weigh that
-// share. A lamp in the middle lights the walls by hand; over the links its light becomes what the bake found, but for
-// some of its noise.
+// In a closed room all light that a surface receives comes from walls, which reflect a share of what they receive: the
+// weights of links sum to that share. A lamp in the middle gives the walls a direct light computed here; passed over
+// the links it becomes the baked light, except for some noise of the bake.
 static void relighting_holds_the_light_of_a_closed_room(void **state) {
   const float albedo = 0.6f, intensity = 2.0f;
   olx_scene *scene = room(albedo, olx_splat(0.0f), intensity);
@@ -149,7 +150,7 @@ static void relighting_holds_the_light_of_a_closed_room(void **state) {
   olx_scene_free(scene);
 }
 
-// Black walls pass nothing on: such a field is sound, and holds surfels without links.
+// Black walls pass no light on: their field is valid, and has surfels without links.
 static void relighting_may_have_little_to_hold(void **state) {
   olx_scene *scene = room(0.0f, olx_splat(0.1f), 1.0f);
   olx_field *field = bake(*state, scene, 2, true);

@@ -1,5 +1,5 @@
-// Tests frames of a relighter on a device: lights change, and the light of each frame is that of olx_relight_frame;
-// what does not fit or is missing is refused.
+// Tests frames of a relighter on a device: when lights change, the light of each frame is that of olx_relight_frame;
+// data that does not fit or is missing is refused.
 #include "core/hooks.h"
 #include "relight/relighter.h"
 #include "scene_files.h"
@@ -19,7 +19,7 @@ static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
-static gpu_buffer copied; // of the device's surfels: direct light, indirect, and highlights in it
+static gpu_buffer copied; // light of the device's surfels: direct, indirect, and highlights in the indirect light
 
 static olx_field *bake(const char *name) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
@@ -36,7 +36,7 @@ static olx_field *bake(const char *name) {
   return baked;
 }
 
-// A coloured box with a glossy floor, a screen in it that casts shadows, and a small lamp.
+// Makes a coloured box with a glossy floor, a screen that casts shadows, and a small lamp.
 static int set_up(void **unused) {
   (void)unused;
   if (!host_open_device(&device, true)) return 0;
@@ -68,7 +68,8 @@ static int tear_down(void **unused) {
   return host_close_device(&device);
 }
 
-// So many shadow rays that a frame's are never too few: on the device those of surfaces that face away count, too.
+// Returns settings with so many shadow rays that no frame lacks any, since the device also counts rays of surfaces that
+// face away.
 static olx_relight_settings small_budget(void) {
   olx_relight_settings settings = olx_relight_settings_default();
   settings.shadow_rays = 1u << 30;
@@ -120,7 +121,7 @@ static void render(picture *p) {
 }
 
 typedef struct picture_errors {
-  double surfaces, objects, glossy; // relative mean squared errors
+  double surfaces, objects, glossy; // relative mean squared errors of the three kinds of light
 } picture_errors;
 
 static double add_error(const picture *a, const picture *b, uint32_t image, bool dynamic) {
@@ -137,7 +138,7 @@ static double add_error(const picture *a, const picture *b, uint32_t image, bool
   return sum > 0.0 ? off / sum : off;
 }
 
-// Errors of a picture against a picture of the CPU's field, as it would be uploaded.
+// Returns the errors of a picture against a picture of the CPU's field, uploaded in whole.
 static picture_errors judge_picture(picture *p, const olx_field *truth) {
   picture other = make_picture(truth);
   render(p);
@@ -151,7 +152,7 @@ static picture_errors judge_picture(picture *p, const olx_field *truth) {
 // ---- Frames on both sides
 
 typedef struct both_sides {
-  olx_relight *cpu, *gpu; // gpu: whose frames the device makes
+  olx_relight *cpu, *gpu; // the frames of `gpu` are computed on the device
   picture picture;
   olx_vulkan_relight *frames;
 } both_sides;
@@ -190,7 +191,7 @@ static olx_vulkan_relight_stats device_frame(both_sides *b, olx_vec3 eye) {
   return stats;
 }
 
-// Relative mean squared error of light that surfels have: direct (0), indirect (1), highlights (2).
+// Returns the relative mean squared error of the surfels' light: direct (0), indirect (1), highlights (2).
 static double surfels_apart(const both_sides *b, uint32_t part) {
   const olx_vec3 *truths[SURFEL_PARTS] = {b->cpu->surfels.direct, b->cpu->surfels.irradiance,
                                           b->cpu->surfels.highlights},
@@ -234,7 +235,7 @@ static void give_lights(both_sides *b, const olx_light *lights, uint32_t count) 
   ASSERT_OK(olx_relight_set_lights(b->gpu, lights, count));
 }
 
-// So many frames on both sides, while neither has come to rest; the worst errors of surfels after a frame.
+// Computes `frames` frames on both sides, which must do the same work, and the largest errors of surfels after a frame.
 static void run_both(both_sides *b, uint32_t frames, double worst[SURFEL_PARTS]) {
   const olx_vec3 eye = olx_v3(0.1f, 0.2f, 0.3f);
   for (uint32_t part = 0; part < SURFEL_PARTS; part++) worst[part] = 0.0;
@@ -249,7 +250,7 @@ static void run_both(both_sides *b, uint32_t frames, double worst[SURFEL_PARTS])
   }
 }
 
-// Until on either side there is nothing more to do; the frames that the device needed.
+// Computes frames until both sides have settled; returns the number of the device's frames.
 static uint32_t run_to_rest(both_sides *b) {
   olx_relight_stats cpu = {.awake = 1};
   olx_vulkan_relight_stats gpu = {.awake = 1};
@@ -289,7 +290,7 @@ static void frames_are_those_of_the_cpu(void **unused) {
   const olx_relight_settings settings = small_budget();
   both_sides b = make_both(&settings, 1);
   assert_int_equal(olx_relight_frame(b.gpu, olx_splat(0.0f), NULL), OLX_ERROR_ARGUMENT);
-  assert_int_equal(device_frame(&b, olx_splat(0.0f)).awake, 0); // no lights were given yet
+  assert_int_equal(device_frame(&b, olx_splat(0.0f)).awake, 0); // no lights are set yet
   ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));
   const olx_light small[] = {BULB, SPOT, SUN}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
   give_lights(&b, small, 1);
@@ -304,8 +305,8 @@ static void frames_are_those_of_the_cpu(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
-// Other settings: several frames in flight, more samples than a dispatch has rays, few rays a frame; and lights that
-// change while light is on its way.
+// With other settings (several frames in flight, more samples than a dispatch has rays, few rays a frame) and lights
+// that change before light settles, both sides settle to the same light.
 static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -326,7 +327,7 @@ static void many_frames_in_flight_come_to_the_same_rest(void **unused) {
   assert_int_equal(device.validation_messages, before);
 }
 
-// ---- What cannot be
+// ---- Refusals
 
 static void what_does_not_fit_is_refused(void **unused) {
   (void)unused;
@@ -370,7 +371,7 @@ static void what_does_not_fit_is_refused(void **unused) {
   another->context.limits.maxStorageBufferRange = 1000;
   assert_int_equal(olx_vulkan_relight_create(another, relight, &good, &frames), OLX_ERROR_UNSUPPORTED);
   assert_non_null(strstr(olx_last_error(), "more than a storage buffer"));
-  ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL)); // it is as it was
+  ASSERT_OK(olx_relight_frame(relight, olx_splat(0.0f), NULL)); // the relighter is unchanged
   olx_vulkan_relight_destroy(NULL);
   olx_vulkan_field_destroy(another);
   analytic_field_free(other);
@@ -403,7 +404,7 @@ static void memory_that_runs_out_leaves_nothing_behind(void **unused) {
   assert_int_equal(bytes, sizes.device_bytes);
   olx_vulkan_relight_destroy(frames);
   assert_int_equal(olx_vulkan_relight_create(uploaded, relight, &own, &frames),
-                   OLX_ERROR_ARGUMENT); // taken over before
+                   OLX_ERROR_ARGUMENT); // the relighter has been taken over before
   olx_vulkan_field_destroy(uploaded);
   olx_relight_free(relight);
   assert_int_equal(device.validation_messages, before);

@@ -1,5 +1,5 @@
-// Tests specular reflections of direct light on the way from surfel to surfel: with two surfels alone, and with a floor
-// in a low sun between two walls.
+// Tests specular reflections of direct light on its way from surfel to surfel: with two surfels alone, and with a floor
+// under a low sun between two walls.
 #include "core/bsdf.h"
 #include "core/pack.h"
 #include "core/sampling.h"
@@ -28,8 +28,8 @@ typedef struct two_surfels {
 
 static const olx_vec3 LIGHT = {2.0f, 1.0f, 4.0f};
 
-// A floor at the origin that faces up, three quarters of whose link are straight; a place that it lights; a beam that
-// comes from `from`.
+// Makes a floor at the origin that faces up, whose link has a straight share of three quarters, a place that it lights,
+// and a beam that comes from `from`.
 static void make(two_surfels *t, olx_vec3 place, olx_vec3 from) {
   *t = (two_surfels){.link_starts = {0, 0, 1},
                      .link = {FLOOR | 191u << 24, olx_rgb9e5_pack(olx_splat(0.125f))},
@@ -46,7 +46,7 @@ static void make(two_surfels *t, olx_vec3 place, olx_vec3 from) {
 
 static olx_vec3 found(const two_surfels *t) { return olx_relit_highlights(&t->lit, PLACE); }
 
-// A direction in the plane of x and y, so many degrees above the floor.
+// Returns a direction in the plane of x and y, `degrees` above the floor.
 static olx_vec3 at_angle(float degrees) {
   const float radians = degrees * (OLX_PI / 180.0f);
   return olx_v3(cosf(radians), sinf(radians), 0.0f);
@@ -60,12 +60,12 @@ static float highlight(float to_place, float to_light) {
 
 static void test_light_goes_where_it_is_mirrored(void **state) {
   (void)state;
-  assert_true(highlight(150.0f, 30.0f) > 10.0f * highlight(30.0f, 30.0f)); // not back
+  assert_true(highlight(150.0f, 30.0f) > 10.0f * highlight(30.0f, 30.0f)); // light is not reflected back to its source
   assert_true(highlight(150.0f, 30.0f) > 2.0f * highlight(90.0f, 30.0f));
-  // Of surfaces that reflect little straight on, more light is reflected the lower it comes.
+  // Surfaces that reflect little at normal incidence reflect more light the lower it comes.
   assert_true(highlight(150.0f, 30.0f) > highlight(120.0f, 60.0f));
   assert_true(highlight(120.0f, 60.0f) > highlight(90.0f, 90.0f));
-  // Light may take a way in both directions.
+  // Reflection is the same in both directions of a path.
   const float there = highlight(140.0f, 50.0f), back = highlight(50.0f, 140.0f);
   assert_true(fabsf(there - back) <= 1e-3f * there);
 }
@@ -75,7 +75,8 @@ static void test_none_behind_a_surface(void **state) {
   const float behind[] = {-1.0f, -30.0f, -90.0f, -150.0f, 181.0f};
   for (uint32_t i = 0; i < 5; i++) {
     assert_true(highlight(behind[i], 30.0f) == 0.0f);
-    assert_true(highlight(150.0f, behind[i]) == 0.0f); // a beam from below, of points that do not lie in one plane
+    // A beam from below, as when a surfel's points are not in one plane.
+    assert_true(highlight(150.0f, behind[i]) == 0.0f);
   }
 }
 
@@ -91,16 +92,16 @@ static void test_none_without_direct_light_or_a_straight_way(void **state) {
     assert_true(olx_max3(found(&t)) == 0.0f);                                                                          \
   } while (0)
   DARK(t.direct[FLOOR] = t.beams[FLOOR] = olx_splat(0.0f));
-  DARK(t.link.from_straight = FLOOR);  // a mirror has passed all of it on
+  DARK(t.link.from_straight = FLOOR);  // no straight share, since a mirror passed on all of the light
   DARK(t.surfels[FLOOR].specular = 0); // a matte floor
-  DARK(t.link.weight = 0);             // black
-  DARK(t.surfels[FLOOR].diffuse = 0);  // nothing to tell the link's share by
-  DARK(t.link_starts[PLACE + 1] = 0);  // no link
+  DARK(t.link.weight = 0);             // a link without weight
+  DARK(t.surfels[FLOOR].diffuse = 0);  // without diffuse reflection, the link's weight gives no share
+  DARK(t.link_starts[PLACE + 1] = 0);  // the place has no link
 #undef DARK
 }
 
-// Light of lamps with an area comes from many sides, and is reflected to all: by the specular share where links count
-// the diffuse.
+// Light without a beam, as of lamps with an area, comes from many sides and is reflected to all sides: by the specular
+// share, where links count the diffuse share.
 static void test_light_without_a_beam_is_reflected_to_all_sides(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 2; i++) {
@@ -109,8 +110,8 @@ static void test_light_without_a_beam_is_reflected_to_all_sides(void **state) {
     t.beams[FLOOR] = olx_splat(0.0f);
     const olx_vec3 light = found(&t), wanted = olx_scale(LIGHT, 0.125f * (191.0f / 255.0f) * (51.0f / 102.0f));
     assert_true(olx_length(olx_sub(light, wanted)) <= 1e-5f * olx_length(wanted));
-    // With a beam of a half of its luminance the other half still is.
-    t.beams[FLOOR] = olx_scale(at_angle(-30.0f), 0.5f * olx_luminance(LIGHT)); // which goes nowhere
+    // When a beam carries half of the luminance, the other half is still reflected to all sides.
+    t.beams[FLOOR] = olx_scale(at_angle(-30.0f), 0.5f * olx_luminance(LIGHT));
     assert_true(olx_length(olx_sub(found(&t), olx_scale(wanted, 0.5f))) <= 1e-5f * olx_length(wanted));
   }
 }
@@ -128,7 +129,7 @@ static void test_highlights_have_the_color_and_weight_of_light(void **state) {
   assert_true(olx_length(olx_sub(found(&t), olx_scale(once, 6.0f))) < 1e-5f * olx_length(once));
 }
 
-// Whatever the surface and the light's direction: all that it reflects is no more than arrives.
+// Over all directions, a surface reflects no more light than it receives, for any surface and direction of light.
 static void test_no_surface_reflects_more_than_it_gets(void **state) {
   (void)state;
   enum { DIRECTIONS = 4096 };
@@ -154,7 +155,7 @@ static void test_no_surface_reflects_more_than_it_gets(void **state) {
 static const olx_light SUN = {
     .type = OLX_LIGHT_SUN, .emission = {5.0f, 5.0f, 5.0f}, .direction = {0.94f, -0.3411744f, 0.0f}};
 
-// Walls are x = -1, over which the sun stands, and x = 1, to which it shines.
+// Makes two walls: x = -1, over which the sun is, and x = 1, onto which it shines.
 static olx_scene *two_walls(const olx_material *floor) {
   olx_scene *scene = tiny_scene();
   const olx_material walls = tiny_lambert(0.2f, 0.0f);
@@ -183,7 +184,7 @@ static olx_field *bake(const scene_folder *folder, const olx_scene *scene) {
   return field;
 }
 
-// The sun shines through walls, onto the sides that face it.
+// A shadow test in which the sun passes through walls and lights the sides that face it.
 static void through_walls(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded) {
   (void)user;
   (void)rays;
@@ -191,8 +192,8 @@ static void through_walls(void *user, const olx_shadow_ray *rays, uint32_t count
 }
 
 typedef struct wall_light {
-  double toward, away;  // indirect irradiance of the wall that the sun shines to, and of the other
-  double highlights[2]; // in it, of all surfels: with the sun, and after it has set
+  double toward, away;  // indirect irradiance of the wall onto which the sun shines, and of the other wall
+  double highlights[2]; // highlights in the irradiance of all surfels: with the sun, and after it has set
 } wall_light;
 
 static double mean_of_wall(const olx_relight *r, float side) {
@@ -243,7 +244,7 @@ static wall_light light_walls(const scene_folder *folder, const olx_material *fl
   return light;
 }
 
-// A matte floor that reflects as much of uniform light.
+// Returns a matte floor that reflects as much of uniform light as the glossy one.
 static olx_material matte_like(const olx_material *glossy) {
   const olx_bsdf bsdf = olx_bsdf_make(glossy->base_color, glossy->metallic, glossy->roughness, glossy->specular_weight);
   return tiny_lambert(olx_bsdf_matte(&bsdf).albedo.x, 0.0f);

@@ -16,7 +16,7 @@ static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
 
-// A dark box, whose field knows how to be lit: 64 x 64 texels are four tiles.
+// Makes a dark box whose field can be relit: its 64 x 64 texels are four tiles.
 static int set_up(void **unused) {
   (void)unused;
   if (!host_open_device(&device, true)) return 0;
@@ -74,9 +74,9 @@ static olx_vulkan_update_stats copy_once(olx_vulkan_update *update) {
   return stats;
 }
 
-// Frames of a relighter with a copy after each, then copies until nothing waits.
+// Computes frames of a relighter with a copy after each, then copies until nothing is waiting.
 static void follow(olx_relight *relight, olx_vulkan_field *uploaded, uint32_t bytes) {
-  enum { TILE_BYTES = 56 * 1024 }; // the largest that is copied in one piece: volume probes
+  enum { TILE_BYTES = 56 * 1024 }; // the largest piece that is copied at once, the volume probes
 
   olx_vulkan_update_settings settings = olx_vulkan_update_settings_default();
   settings.bytes = bytes;
@@ -108,7 +108,7 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
   double errors[2];
   relit_room_render(&room);
   relit_room_judge(&room, field, errors);
-  assert_true(errors[0] == 0.0 && errors[1] == 0.0); // as baked: dark
+  assert_true(errors[0] == 0.0 && errors[1] == 0.0); // the field is dark, as baked
   const uint32_t budgets[] = {4 << 20, 100000, 1};
   for (uint32_t i = 0; i < 3; i++) {
     olx_light lamp = LAMP;
@@ -117,7 +117,7 @@ static void copies_end_with_the_maps_of_the_relighter(void **unused) {
     ASSERT_OK(olx_relight_set_lights(relight, &lamp, 1));
     follow(relight, room.uploaded, budgets[i]);
     relit_room_judge(&room, olx_relight_field(relight), errors);
-    assert_true(errors[0] > 0.01 && errors[1] > 0.01); // the picture of before
+    assert_true(errors[0] > 0.01 && errors[1] > 0.01); // the picture is still the earlier one
     relit_room_render(&room);
     relit_room_judge(&room, olx_relight_field(relight), errors);
     if (errors[0] > 1e-5 || errors[1] > 1e-5) fail_msg("%u bytes: %g, %g", budgets[i], errors[0], errors[1]);

@@ -1,9 +1,10 @@
-# The report of `octalux compare`: one file, whole, that holds what --json prints, whatever files are called.
+# The report of `octalux compare`: one complete file that contains what --json prints, whatever files are called.
 source "$(dirname "$0")/cli/expect.sh"
 tests="$OCTALUX_SOURCE_DIR/tests"
 python3 "$tests/perceptual_reference.py" make . || fail "no pictures"
 
-# check_report COMMAND-LINE EXPOSURE ARGUMENTS...
+# check_report COMMAND-LINE EXPOSURE ARGUMENTS...: checks that the report shows the command line, the exposure, and the
+# numbers of --json.
 check_report() {
   local command=$1 exposure=$2
   shift 2
@@ -19,14 +20,15 @@ check_report "octalux compare a.exr b.exr" 1 a.exr b.exr
 cmp r.html again.html || fail "a report is not the same twice"
 check_report "octalux compare a.exr b.exr --exposure 0.25 --layer beauty" 0.25 a.exr b.exr --exposure 0.25 --layer beauty
 
-# A folder and a name that would end a script, begin a tag, close an attribute and fill in a mark of the page.
+# The names of this folder and file would end a script, begin a tag, close an attribute and replace a mark of the page's
+# template.
 mkdir 'x<'
 hostile="x</script><img src=y>&amp;\"'{{data}} é.exr"
 cp a.exr "$hostile"
 check_report "octalux compare 'x</script><img src=y>&amp;\"'\\''{{data}} é.exr' b.exr" 1 "$hostile" b.exr
 rm -r 'x<'
 
-# The same image has no error anywhere, and numbers that are not finite.
+# A comparison of an image with itself has no errors, and numbers that are not finite.
 expect 0 compare a.exr a.exr --report same.html --json
 grep -q '"beauty",0,1,0,0,null,0,0' same.html || fail "a report of equal images"
 

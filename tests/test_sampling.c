@@ -1,4 +1,4 @@
-// Tests random numbers and the distributions drawn from them, against what theory says about each.
+// Tests random numbers and the distributions drawn from them, against what theory predicts for each.
 #include "core/sampling.h"
 
 #include <setjmp.h>
@@ -10,8 +10,8 @@
 
 enum { MOST_BINS = 4096 };
 
-// Pearson's statistic of counts against equal expectations, in standard deviations from its mean: beyond some 4.5 the
-// numbers are no uniform random numbers, and below -4.5 they are too even to be.
+// Returns Pearson's statistic of counts against equal expectations, in standard deviations from its mean: above some
+// 4.5 the numbers are not uniform random numbers, and below -4.5 they are too even to be random.
 static double uniformity(const uint32_t *counts, uint32_t bins, double samples) {
   const double expected = samples / bins, freedom = bins - 1.0;
   double statistic = 0.0;
@@ -55,7 +55,7 @@ static void hash_is_a_permutation_and_hash2_nearly_free_of_collisions(void **sta
   for (uint32_t i = 0; i < COUNT; i++) values[i] = olx_hash(i);
   qsort(values, COUNT, sizeof *values, compare_words);
   for (uint32_t i = 1; i < COUNT; i++) assert_true(values[i] != values[i - 1]);
-  // n^2 / 2^33 = 8 collisions are what chance gives; 25 are far beyond it.
+  // Chance gives n^2 / 2^33 = 8 collisions; 25 are far more.
   for (uint32_t i = 0; i < COUNT; i++) values[i] = olx_hash2(i & 511u, i >> 9);
   qsort(values, COUNT, sizeof *values, compare_words);
   uint32_t collisions = 0;
@@ -80,7 +80,8 @@ static void reversing_bits_twice_changes_nothing(void **state) {
 
 // ---- point sets
 
-// Whether the 2^m points form a (0, m, 2)-net: each box of area 2^-m with power-of-two sides holds exactly one.
+// Returns whether the 2^m points form a (0, m, 2)-net: each box of area 2^-m with power-of-two sides contains exactly
+// one.
 static bool is_net(const olx_vec2 *points, uint32_t m) {
   const uint32_t count = 1u << m;
   for (uint32_t a = 0; a <= m; a++) {
@@ -105,7 +106,7 @@ static void hammersley_points_are_nets(void **state) {
   }
 }
 
-// Of every power of two of points from the start, and of every later block of that size, at any seed.
+// The second Sobol coordinate is the exclusive or of the direction numbers at the set bits of the index.
 static void second_sobol_dimension_follows_its_direction_numbers(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 200000; i++) {
@@ -118,6 +119,7 @@ static void second_sobol_dimension_follows_its_direction_numbers(void **state) {
   }
 }
 
+// The first points of any power of two form a net, and so does every later block of that size, for any seed.
 static void stratified_points_are_nets(void **state) {
   (void)state;
   olx_vec2 points[MOST_BINS];
@@ -131,7 +133,7 @@ static void stratified_points_are_nets(void **state) {
   }
 }
 
-// The L2 star discrepancy, by Warnock's formula.
+// Computes the L2 star discrepancy by Warnock's formula.
 static double discrepancy(const olx_vec2 *points, uint32_t count) {
   double single = 0.0, pairs = 0.0;
   for (uint32_t i = 0; i < count; i++) {
@@ -144,7 +146,8 @@ static double discrepancy(const olx_vec2 *points, uint32_t count) {
   return sqrt(1.0 / 9.0 - single / (2.0 * count) + pairs / ((double)count * count));
 }
 
-// Random points have an expected square of (1/4 - 1/9) / count; low-discrepancy points fall with log(count) / count.
+// Random points have an expected square of (1/4 - 1/9) / count; the discrepancy of low-discrepancy points falls with
+// log(count) / count.
 static void low_discrepancy_sets_are_what_they_are_called(void **state) {
   (void)state;
   enum { COUNT = 1024 };
@@ -160,7 +163,8 @@ static void low_discrepancy_sets_are_what_they_are_called(void **state) {
   assert_true(discrepancy(hashed, COUNT) > 0.4 * random && discrepancy(hashed, COUNT) < 2.0 * random);
 }
 
-// Pixels take one seed each: the same sample of successive seeds must look random, in either dimension and in both.
+// Each pixel uses a seed of its own, so the same sample of successive seeds must look random, in either dimension and
+// in both.
 static void a_sample_over_successive_seeds_is_uniform(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 6; i++) {
@@ -203,7 +207,7 @@ static void cosine_directions_follow_their_pdf(void **state) {
   assert_uniform(counts, 256, DRAWS);
 }
 
-// Zones of equal height have equal area (Archimedes).
+// Zones of a sphere with equal height have equal area (Archimedes).
 static void sphere_directions_are_uniform(void **state) {
   (void)state;
   uint32_t counts[256] = {0};
@@ -215,7 +219,7 @@ static void sphere_directions_are_uniform(void **state) {
   assert_uniform(counts, 256, DRAWS);
 }
 
-// The small triangle, of 4^depth equal ones that halving the sides leaves, in which barycentric (u, v) lies.
+// Returns the small triangle that contains barycentric (u, v), of 4^depth equal ones made by halving the sides.
 static uint32_t small_triangle(float u, float v, uint32_t depth) {
   uint32_t index = 0;
   for (uint32_t i = 0; i < depth; i++) {
@@ -244,7 +248,7 @@ static void triangle_points_are_uniform(void **state) {
   assert_uniform(counts, 256, DRAWS);
 }
 
-// The corners of the unit square are legal input.
+// The corners of the unit square are valid input.
 static void extreme_random_numbers_give_finite_directions(void **state) {
   (void)state;
   const float ends[] = {0.0f, 0x1.fffffep-1f};

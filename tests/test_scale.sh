@@ -1,7 +1,7 @@
 #!/bin/bash
-# The same room, 128 times smaller or larger, gives the same picture: nothing depends on absolute lengths. Powers of two
-# change no rounding, so that the pictures are the same to the last bit. full_scale.sh runs it at scales that do round:
-# SCALES, MAP and IRRADIANCE (texels), IRRADIANCE_GRID, SIZE, SPP and BOUND (relative MSE) say how.
+# A room that is 128 times smaller or larger gives the same picture, since nothing depends on absolute lengths. Powers
+# of two do not change rounding, so the pictures are the same to the last bit. full_scale.sh runs this test at scales
+# that do round: SCALES, MAP and IRRADIANCE (texels), IRRADIANCE_GRID, SIZE, SPP and BOUND (relative MSE) set it up.
 set -eu
 scales=${SCALES:-0.0078125 128} map=${MAP:-64} size=${SIZE:-96x72} spp=${SPP:-4} bound=${BOUND:-0}
 work=$(mktemp -d)
@@ -20,8 +20,8 @@ Ks 0.5 0.5 0.5
 Ns 200
 END
 
-# A box of six quads, by its corners; the winding does not matter.
-box() { # x0 y0 z0 x1 y1 z1
+# box writes a box of six quads between two corners; the quads' winding does not matter.
+box() { # X0 Y0 Z0 X1 Y1 Z1
   echo "v $1 $2 $3
 v $4 $2 $3
 v $4 $5 $3
@@ -44,7 +44,7 @@ f -7 -6 -2 -3"; }
   echo "usemtl shiny"; box 2.4 0 2.6 3.3 0.8 3.5; faces
 } > "$work/room.obj"
 
-describe() { # scale
+describe() { # SCALE
   awk -v s="$1" 'function v(x, y, z) { return sprintf("[%.9g, %.9g, %.9g]", x * s, y * s, z * s) }
     BEGIN {
       printf "{\"model\": \"room.obj\", \"scale\": %.9g,\n", s

@@ -1,5 +1,5 @@
-// Tests scene descriptions: what each key does, where files are looked for, and that wrong ones are refused with a
-// message that names file and place.
+// Tests scene descriptions: what each key does, where files are searched for, and that wrong descriptions are refused
+// with a message that names file and place.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"
@@ -59,7 +59,7 @@ static void model_is_scaled_rotated_and_moved(void **state) {
   scene = load(*state, "{\"models\": [{\"path\": \"square.obj\"}, {\"path\": \"square.obj\", \"scale\": 3, "
                        "\"rotate_degrees\": [0, 90, 0], \"translate\": [0, 0, -10]}]}");
   assert_int_equal(scene->triangle_count, 4);
-  // x turns to -z.
+  // The rotation turns x to -z.
   assert_vec(scene->bounds_min, 0, 0, -13);
   assert_vec(scene->bounds_max, 1, 3, 0);
   olx_scene_free(scene);
@@ -113,7 +113,7 @@ static void lights_arrive(void **state) {
   assert_vec(scene->lights[0].direction, 0, -0.6f, 0.8f);
   assert_vec(scene->lights[0].emission, 10, 9, 8);
   assert_int_equal(scene->lights[1].type, OLX_LIGHT_POINT);
-  // Scale belongs to the model alone.
+  // Scale applies to the model alone.
   assert_vec(scene->lights[1].position, 0, 2, 0);
   assert_vec(scene->lights[2].emission, 9, 9, 9);
   assert_near(scene->lights[2].cosine_inner, sqrtf(0.75f));
@@ -131,7 +131,7 @@ static void environment_is_constant_or_an_image(void **state) {
   assert_vec(scene->environment.radiance, 1, 2, 3);
   assert_null(scene->environment.texels);
   olx_scene_free(scene);
-  // Two flat texels: 2^(129-136) * 128 = 1 and twice that.
+  // The file has two uncompressed texels: 2^(129-136) * 128 = 1 and twice that.
   const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
   uint8_t file[sizeof header - 1 + 8];
   memcpy(file, header, sizeof header - 1);
@@ -181,12 +181,12 @@ static void replaced_color_keeps_the_mask(void **state) {
   assert_int_equal(m->base_color_texture, OLX_NO_TEXTURE);
   const olx_texture *mask = &scene->textures[m->alpha_texture];
   assert_int_equal(mask->texels[0], 255);
-  assert_int_equal(mask->texels[12], 0); // the lower right texel, the absent one
+  assert_int_equal(mask->texels[12], 0); // the lower right texel is cut out
   olx_scene_free(scene);
 }
 
-// What is built in can be a model, or a part beside one: placed like others, but its lamps stay lamps, and it brings no
-// volume of probes.
+// A built-in scene can be a model, or a part beside one: it is placed like others, but its lamps remain lamps, and it
+// has no volume of probes.
 static void built_in_scenes_are_models(void **state) {
   olx_scene *alone = NULL;
   assert_int_equal(olx_scene_load("builtin:statue", &alone), OLX_OK);
@@ -198,7 +198,7 @@ static void built_in_scenes_are_models(void **state) {
   assert_int_equal(info.triangles, was.triangles + 2);
   assert_int_equal(info.lights, 1);
   assert_false(info.has_probe_volume);
-  // A quarter turn about y takes (x, y, z) to (z, y, -x).
+  // A quarter turn about y maps (x, y, z) to (z, y, -x).
   assert_near(info.bounds_max.y, 2.0f * was.bounds_max.y);
   assert_near(info.bounds_max.x, 10.0f + 2.0f * was.bounds_max.z);
   const olx_camera before = olx_scene_camera(alone, 0), after = olx_scene_camera(scene, 0);
@@ -399,7 +399,7 @@ static void text_that_is_no_description_is_refused(void **state) {
   }
 }
 
-// A camera or a light that stands in a wall sees its near sides only.
+// Returns the distance to the nearest surface; a camera or light inside a wall would see the wall's sides close by.
 static float nearest_surface(const olx_scene *scene, olx_vec3 point) {
   float nearest = INFINITY;
   for (uint32_t i = 0; i < 1000; ++i) {

@@ -1,5 +1,5 @@
-// Tests that what OBJ, MTL and glTF files say arrives in the scene, and that what is broken is skipped with a warning
-// or refused with a message that names file and element.
+// Tests that the contents of OBJ, MTL and glTF files arrive in the scene, and that broken contents are skipped with a
+// warning or refused with a message that names file and element.
 #include "core/hooks.h"
 #include "scene/affine.h"
 #include "scene/scene_build.h"
@@ -108,7 +108,7 @@ static void mtl_bump_is_a_height_map(void **state) {
   assert_true(m->normal_is_height);
   assert_near(m->normal_scale, 0.5f);
   assert_false(scene->textures[m->normal_texture].srgb);
-  // An emission map without Ke shines by itself.
+  // An emission map without Ke gives a surface that emits the map's light.
   assert_vec(m->emission, 1, 1, 1);
   assert_true(scene->textures[m->emission_texture].srgb);
   olx_scene_free(scene);
@@ -129,7 +129,7 @@ static void mtl_opacity_is_all_or_nothing(void **state) {
   assert_true(scene->materials[0].alpha >= scene->materials[0].alpha_cutoff);
   assert_true(has_warning(scene, "partial opacity"));
   olx_scene_free(scene);
-  // Nothing else is in the file, so nothing is left.
+  // Without other materials in the file, no triangle is left.
   scene_folder_write_text(*state, "square.mtl", "newmtl square\nKd 0.5 0.5 0.5\nd 0.4\n");
   assert_refused(scene_folder_write_text(*state, "square.obj", scene_files_obj), OLX_ERROR_EMPTY, "square.obj");
 }
@@ -149,7 +149,7 @@ static void texture_lands_the_right_way_up(void **state) {
   assert_int_equal(scene->texture_count, 1);
   assert_true(scene->textures[m->base_color_texture].srgb);
   assert_vec(m->base_color, 1, 1, 1);
-  // The quad's upper left corner (0, 1) must show the image's upper left, red.
+  // The quad's upper left corner (0, 1) must show the image's upper left texel, red.
   const olx_vec2 inward[4] = {{0.25f, -0.25f}, {-0.25f, -0.25f}, {-0.25f, 0.25f}, {0.25f, 0.25f}};
   const olx_vec3 expected[4] = {{0, 0, 1}, {1, 1, 1}, {0, 1, 0}, {1, 0, 0}};
   for (uint32_t v = 0; v < scene->vertex_count; ++v) {
@@ -170,7 +170,7 @@ static void alpha_map_masks(void **state) {
   assert_near(m->alpha_cutoff, 0.5f);
   const olx_texture *mask = &scene->textures[m->alpha_texture];
   assert_false(mask->srgb);
-  // The alpha channel moved to R: only the lower right texel is absent.
+  // The alpha channel becomes R of the mask, where only the lower right texel is cut out.
   assert_near(olx_texture_sample(mask, (olx_vec2){0.75f, 0.75f}).color.x, 0.0f);
   assert_near(olx_texture_sample(mask, (olx_vec2){0.25f, 0.75f}).color.x, 1.0f);
   olx_scene_free(scene);
@@ -238,7 +238,7 @@ static void mirrored_node_keeps_its_front(void **state) {
 }
 
 static void uneven_scale_keeps_normals_upright(void **state) {
-  // The square turned by 45 degrees about y, then stretched along x: the normal leans towards z.
+  // When the square is turned by 45 degrees about y, then stretched along x, its normal leans towards z.
   olx_scene *scene = load_gltf(
       *state, "[]", -1,
       "[{\"children\": [1], \"scale\": [3, 1, 1]}, {\"mesh\": 0, \"rotation\": [0, 0.3826834, 0, 0.9238795]}]", "");
@@ -300,7 +300,7 @@ static void gltf_alpha_modes(void **state) {
   free(text);
 }
 
-// Materials are told apart by their numbers: names may repeat, and materials that nothing uses are left out.
+// Materials are identified by their numbers: names may repeat, and unused materials are left out.
 static void extensions_stay_with_their_material(void **state) {
   olx_scene *scene = load_gltf(
       *state,
@@ -313,7 +313,7 @@ static void extensions_stay_with_their_material(void **state) {
 }
 
 static void gltf_texture_from_the_file_itself(void **state) {
-  // The TGA of scene_files_tga, in base64.
+  // The texture is the TGA of scene_files_tga, in base64.
   olx_scene *scene =
       load_gltf(*state, "[{\"name\": \"textured\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}]",
                 0, "[{\"mesh\": 0}]",
@@ -321,7 +321,7 @@ static void gltf_texture_from_the_file_itself(void **state) {
                 "\"data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA==\"}]");
   assert_int_equal(scene->texture_count, 1);
   const olx_texture *texture = &scene->textures[find_material(scene, "textured")->base_color_texture];
-  // The square's uvs are the file's own: (0, 0) is the upper left corner, red.
+  // The square's uvs are unchanged: (0, 0) is the upper left corner, red.
   assert_vec(olx_texture_sample(texture, (olx_vec2){0.25f, 0.25f}).color, 1, 0, 0);
   for (uint32_t v = 0; v < scene->vertex_count; ++v) {
     assert_near(scene->uvs[v].x, scene->positions[v].x);
@@ -331,7 +331,7 @@ static void gltf_texture_from_the_file_itself(void **state) {
 }
 
 static void gltf_camera_looks_where_its_node_points(void **state) {
-  // Turned by 90 degrees about y: -z becomes -x.
+  // A turn by 90 degrees about y takes -z to -x.
   olx_scene *scene =
       load_gltf(*state, "[]", -1,
                 "[{\"mesh\": 0, \"children\": [1]}, {\"name\": \"eye\", \"camera\": 0, \"translation\": [1, 2, 3],"
@@ -509,7 +509,7 @@ static void placement_scales_rotates_then_moves(void **state) {
   (void)state;
   const olx_placement about_x_then_y = {.scale = 2.0f, .translate = {10, 0, 0}, .rotate_degrees = {90, 90, 0}};
   const olx_affine a = olx_affine_from_placement(&about_x_then_y, (const double[3]){0.0, 0.0, 0.0});
-  // y goes to z by x's turn, then to x by y's.
+  // The rotation takes y to z about x, then to x about y.
   assert_vec(olx_affine_point(&a, olx_v3(0, 1, 0)), 12, 0, 0);
   assert_vec(olx_affine_point(&a, olx_v3(1, 0, 0)), 10, 0, -2);
   const olx_placement about_z = {.scale = 1.0f, .rotate_degrees = {0, 0, 90}};
@@ -532,7 +532,7 @@ static void unusable_names_are_refused(void **state) {
                  OLX_ERROR_EMPTY, "points.obj");
 }
 
-// ---- real scenes, when they are there
+// ---- real scenes, where their files are present
 
 static void real_scenes_arrive_complete(void **state) {
   (void)state;
@@ -540,7 +540,7 @@ static void real_scenes_arrive_complete(void **state) {
     const char *name;
     uint32_t triangles, left_out, materials, textures;
   } scenes[] = {
-      // One triangle of Sponza has three corners on a line; the white room's and the kitchen's glass is absent.
+      // One triangle of Sponza has three corners on a line; the glass of the white room and the kitchen is left out.
       {"sponza/sponza.gltf", 262267, 1, 25, 24},           {"living-room/living_room.obj", 28656, 0, 41, 16},
       {"white-room/white-room.gltf", 237299, 960, 43, 13}, {"godot-rooms/rooms-3x1.gltf", 6072, 0, 3, 0},
       {"veach-ajar/veach-ajar.gltf", 4484, 0, 10, 4},      {"bevy-examples/cornell-box-556.glb", 36, 0, 5, 0},

@@ -1,5 +1,5 @@
-// Tests the solved light of scenes against path tracing, against what is known of sealed rooms, and against itself with
-// other threads and other random numbers.
+// Tests the solved light of scenes against path tracing, against the known light of sealed rooms, and against solutions
+// with other threads and other random numbers.
 #include "light/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
@@ -16,7 +16,7 @@
 
 enum { POINTS = 128, MOST_PROBES = 128 };
 
-// A scene with the probes of its grid, and points of its surfaces that these see.
+// A scene with the probes of its grid, and surface points that these probes see.
 typedef struct setting {
   olx_scene *scene;
   olx_vec3 probes[MOST_PROBES];
@@ -25,7 +25,7 @@ typedef struct setting {
   olx_surface points[POINTS];
 } setting;
 
-// A probe that sees most surfaces from behind stands inside a solid.
+// Returns whether a probe sees most surfaces from behind, and so is inside a solid.
 static bool is_buried(const olx_scene *scene, olx_vec3 probe) {
   enum { RAYS = 64 };
   uint32_t behind = 0;
@@ -77,7 +77,8 @@ static olx_scene_light *solve(const setting *s, const olx_scene_light_settings *
 
 static double squared(olx_vec3 a) { return (double)olx_dot(a, a); }
 
-// Squared error over squared light, without the noise of the reference, which comes in two halves.
+// Returns the squared error relative to squared light, without the noise of the reference, which has two independent
+// halves.
 static double relative_error(const setting *s, const olx_scene_light *light, uint32_t bounces, double *bias) {
   double error = 0.0, squares = 0.0, sum = 0.0, off = 0.0;
   uint64_t rays = 0;
@@ -96,7 +97,7 @@ static double relative_error(const setting *s, const olx_scene_light *light, uin
   return error / squares;
 }
 
-// 256 paths twice at each point say the bias to half a per cent.
+// Two sets of 256 paths at each point determine the bias to half a per cent.
 static void irradiance_is_that_of_path_tracing(void **state) {
   (void)state;
   static const char *const scenes[] = {"builtin:pillars", "builtin:cornell"};
@@ -120,7 +121,7 @@ static void irradiance_is_that_of_path_tracing(void **state) {
   free(s);
 }
 
-// The lamp is on the left; a wall 0.2 m thick reaches from floor to ceiling.
+// The lamp is in the left room; a wall 0.2 m thick reaches from floor to ceiling.
 static void sealed_rooms_get_no_light_of_each_other(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);
@@ -158,7 +159,7 @@ static void threads_and_runs_do_not_matter(void **state) {
   free(s);
 }
 
-// Two solutions with other random numbers differ by the root of two times their noise, which is bounded.
+// Two solutions with different random numbers differ by the root of two times their noise, which is bounded.
 static void noise_stays_below_its_bound_and_costs_rays(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);
@@ -188,7 +189,8 @@ static void noise_stays_below_its_bound_and_costs_rays(void **state) {
   free(s);
 }
 
-// Surfels on surfaces that no probe sees keep their few rays, whose noise must not count for those that probes see.
+// Surfels on surfaces that no probe sees keep their few rays, whose noise must not count in the noise of surfels that
+// probes see.
 static void the_bound_is_met_beside_surfaces_that_no_probe_sees(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);
@@ -203,8 +205,8 @@ static void the_bound_is_met_beside_surfaces_that_no_probe_sees(void **state) {
   free(s);
 }
 
-// A point that no surfel knows of casts rays of its own. Where no surfel serves their ends they find direct light and
-// go on.
+// A point without surfels nearby casts rays of its own. Where their ends have no surfels either, the rays find direct
+// light and continue.
 static void without_surfels_rays_go_on_from_surface_to_surface(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);
@@ -221,7 +223,7 @@ static void without_surfels_rays_go_on_from_surface_to_surface(void **state) {
   free(s);
 }
 
-// A room of side 2 with a small lamp below its ceiling, and a mirror in one wall.
+// Makes a room of side 2 with a small lamp below its ceiling, and a mirror in one wall.
 static olx_scene *mirror_room(void) {
   olx_scene *scene = made_scene();
   olx_material wall = olx_material_default(), mirror = wall, lamp = wall;
@@ -239,7 +241,7 @@ static olx_scene *mirror_room(void) {
   return made_finish(scene);
 }
 
-// Few rays find the lamp in the mirror, and they bring most of the noise; those that follow go where it was found.
+// Few rays find the lamp in the mirror, and these cause most of the noise; later rays are guided to where it was found.
 static void rays_learn_where_a_mirror_shows_a_lamp(void **state) {
   (void)state;
   olx_scene *scene = mirror_room();
@@ -253,7 +255,7 @@ static void rays_learn_where_a_mirror_shows_a_lamp(void **state) {
   const olx_scene_light_report report = olx_scene_light_describe(light);
   print_message("noise %.4f with %.2f million rays\n", report.noise, (double)report.rays * 1e-6);
   assert_true(report.noise <= (double)settings.noise);
-  // Without what mirrors brought in the lesson it takes 6.65 million.
+  // When guiding ignores light from mirrors, the same noise takes 6.65 million rays.
   assert_true(report.rays < 6000000);
   olx_scene_light_free(light);
   olx_scene_free(scene);

@@ -1,13 +1,13 @@
-# Compilers of real GPUs get along with every pipeline: registers, spills, scratch memory and code on an AMD chip that
-# RADV compiles for though it is not there, within tests/shader_bounds.tsv. The bounds are of Debian 12's Mesa 22.3. The
-# chip is navi21, or what OLX_CHIP says: full_shader_stats.sh holds the other one, since either takes a tenth of the
-# time that `make check` has.
+# Checks that compilers of real GPUs can handle every pipeline: registers, spills, scratch memory and code size on an
+# AMD chip that RADV compiles for without its presence stay within tests/shader_bounds.tsv. The bounds are those of
+# Debian 12's Mesa 22.3. The chip is navi21, or the one in OLX_CHIP: full_shader_stats.sh checks the other chip, since
+# either takes a tenth of the time that `make check` has.
 source "$(dirname "$0")/cli/expect.sh"
 bench=$(dirname "$OCTALUX")/octalux-bench-gpu
 chip=${OLX_CHIP:-navi21}
 tests=$OCTALUX_SOURCE_DIR/tests
 [ -x "$bench" ] || { echo "skipped: built without Vulkan"; exit 77; }
-export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # drivers keep things that cannot be told by name
+export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # allocations that drivers keep cannot be named
 
 "$OCTALUX" bake builtin:cornell-glossy -o tiny.olx --grid 2x2x2 --irradiance-grid 2x2x2 --radiance-size 16 --irradiance-size 16 \
   --select cage,bricks,voronoi --relight --classic --classic-size 32 --samples 1 --bounces 0 >/dev/null || fail "bake"
@@ -24,7 +24,7 @@ if ! grep -q '"radv Mesa 22\.3\.' statistics.json; then echo "skipped: the bound
 cat found.txt
 [ $status = 0 ] || fail "a pipeline takes more than it may"
 
-# The check finds what is too much, and what is missing.
+# The check reports exceeded bounds and missing pipelines.
 sed 's/^glossy\t[0-9]*\t\([0-9]*\)\t[0-9]*/glossy\t8\t\1\t8/; /^dim\t/d' "$tests/shader_bounds.tsv" >narrow.tsv
 python3 "$tests/check_shader_stats.py" narrow.tsv statistics.json >found.txt && fail "a bound of 8 registers holds"
 grep -qi "$chip.*: glossy: VGPRs is [0-9]*, at most 8 allowed" found.txt || fail "the register bound is not named"

@@ -1,4 +1,4 @@
-// Tests what a ray finds: positions, normals, textures, sides, and offsets that hold at every scale.
+// Tests the surface that a ray finds: position, normals, textures, side, and ray offsets that work at every scale.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
@@ -39,7 +39,7 @@ static olx_surface from_below(const olx_scene *scene, float x, float z) {
   return find(scene, olx_v3(x, -5.0f, z), olx_v3(0.0f, 1.0f, 0.0f));
 }
 
-// The square [-1, 1]^2 of one material.
+// Makes the square [-1, 1]^2 of one material.
 static olx_scene *square_scene(olx_scene *scene, const olx_material *material) {
   made_square(scene, 0.0f, made_material(scene, material));
   return made_finish(scene);
@@ -67,7 +67,7 @@ static void shading_normals_are_interpolated_and_stay_on_the_geometric_side(void
   const olx_vec3 normals[2][3] = {{up, up, tilted}, {olx_negate(up), olx_negate(up), olx_negate(tilted)}};
   const uint32_t indices[3] = {0, 1, 2};
   const olx_vec3 expected = olx_normalize(olx_mix3(up, tilted, 0.5f));
-  // Normals that contradict the winding mean the same surface.
+  // Normals that contradict the winding describe the same surface.
   for (uint32_t i = 0; i < 2; i++) {
     olx_scene *scene = made_scene();
     const olx_material material = olx_material_default();
@@ -92,21 +92,21 @@ static olx_vec3 mapped(const uint8_t texel[4], float scale, olx_vec3 edge_u, olx
   return s.shading_normal;
 }
 
-// 51 / 255 = 0.2 encodes -0.6, 204 / 255 = 0.8 encodes 0.6, 229.5 would encode 0.8.
+// In a normal map 51 / 255 = 0.2 encodes -0.6, 204 / 255 = 0.8 encodes 0.6, and 229.5 would encode 0.8.
 static void normal_maps_tilt_along_u_and_against_v(void **state) {
   (void)state;
   const olx_vec3 x = {2.0f, 0.0f, 0.0f}, z = {0.0f, 0.0f, 2.0f}, minus_z = {0.0f, 0.0f, -2.0f};
   const uint8_t red[4] = {204, 128, 230, 255}, green[4] = {128, 204, 230, 255};
   const float tolerance = 0.006f;
-  // u along +x, v along -z: seen from above, texture rows go down the page as z falls.
+  // With u along +x and v along -z, seen from above, texture rows go down the page as z falls.
   assert_vector_near(mapped(red, 1.0f, x, minus_z, true), olx_v3(0.6f, 0.8f, 0.0f), tolerance);
   assert_vector_near(mapped(green, 1.0f, x, minus_z, true), olx_v3(0.0f, 0.8f, 0.6f), tolerance);
-  // Turned by a quarter: u along z, v along x.
+  // The same map is turned by a quarter: u along z, v along x.
   assert_vector_near(mapped(red, 1.0f, z, x, true), olx_v3(0.0f, 0.8f, 0.6f), tolerance);
   assert_vector_near(mapped(green, 1.0f, z, x, true), olx_v3(-0.6f, 0.8f, 0.0f), tolerance);
-  // From behind, bumps are dents.
+  // Seen from behind, bumps are dents.
   assert_vector_near(mapped(red, 1.0f, x, minus_z, false), olx_v3(-0.6f, -0.8f, 0.0f), tolerance);
-  // The scale steepens: (2 * 0.6, 0.8) = (3, 2) / sqrt(13).
+  // A scale of 2 steepens the normal: (2 * 0.6, 0.8) = (3, 2) / sqrt(13).
   assert_vector_near(mapped(red, 2.0f, x, minus_z, true), olx_v3(0.832f, 0.555f, 0.0f), tolerance);
 }
 
@@ -138,7 +138,7 @@ static void height_maps_lean_away_from_the_slope_at_any_size(void **state) {
     const olx_vec3 u = {2.0f * sizes[i], 0.0f, 0.0f}, v = {0.0f, 0.0f, -2.0f * sizes[i]};
     made_quad(scene, olx_splat(0.0f), u, v, made_material(scene, &material));
     made_finish(scene);
-    // One step of 51 / 255 a texel along u.
+    // The height rises by one step of 51 / 255 for each texel along u.
     const olx_surface s = find(scene, olx_v3(0.0f, sizes[i], 0.0f), olx_v3(0.0f, -1.0f, 0.0f));
     assert_vector_near(s.shading_normal, olx_normalize(olx_v3(-0.2f, 1.0f, 0.0f)), 1e-4f);
     olx_scene_free(scene);
@@ -177,7 +177,7 @@ static void textures_are_bilinear_and_wrap_around(void **state) {
   (void)state;
   uint8_t rgba[2 * 3 * 4] = {0};
   for (uint32_t y = 0; y < 3; y++) {
-    rgba[8 * y + 4] = 255;                                  // column 1 is red
+    rgba[8 * y + 4] = 255;                                  // column 1 is red everywhere
     rgba[8 * y + 1] = rgba[8 * y + 5] = (uint8_t)(100 * y); // green rises with the row
   }
   const olx_texture texture = {.width = 2, .height = 3, .texels = rgba};
@@ -190,7 +190,7 @@ static void textures_are_bilinear_and_wrap_around(void **state) {
     assert_near(c.x, columns[i].red, 1e-5f);
     assert_near(c.y, 100.0f / 255.0f, 1e-5f);
   }
-  // The first row lies at the smallest v.
+  // The first row is at the smallest v.
   assert_near(olx_texture_sample(&texture, (olx_vec2){0.5f, 1.0f / 6.0f}).color.y, 0.0f, 1e-5f);
   assert_near(olx_texture_sample(&texture, (olx_vec2){0.5f, 5.0f / 6.0f}).color.y, 200.0f / 255.0f, 1e-5f);
   assert_near(olx_texture_sample(&texture, (olx_vec2){0.5f, 0.0f}).color.y, 100.0f / 255.0f, 1e-5f);
@@ -210,8 +210,8 @@ static void alpha_alone_is_what_the_whole_texel_has(void **state) {
   assert_true(isfinite(olx_texture_alpha(&texture, (olx_vec2){NAN, INFINITY})));
 }
 
-// Light is linear: a textured wall reflects, on the whole, what its texels reflect, however near one looks. Filtering
-// the encoded texels would make it darker.
+// Filtering is linear in light: on average, a textured wall reflects what its texels reflect, however near the camera
+// is. Filtering the encoded texels would make it darker.
 static void filtering_keeps_what_srgb_texels_reflect(void **state) {
   (void)state;
   enum { TEXELS = 16, LOOK_UPS = 8 * TEXELS };
@@ -245,7 +245,7 @@ static void textures_scale_the_factors_and_albedo_stays_below_one(void **state) 
   material.emission_texture = made_texture(scene, 1, 1, half, false);
   square_scene(scene, &material);
   const olx_surface s = from_above(scene, 0.1f, 0.1f);
-  // Metallic 0.5 * 0.4, roughness 0.9 * 0.2.
+  // The material has metallic 0.5 * 0.4 and roughness 0.9 * 0.2.
   assert_near(s.roughness, 0.18f, 1e-6f);
   const olx_bsdf expected = olx_bsdf_make(olx_v3(0.95f, 0.5f, 0.95f), 0.2f, 0.18f, 1.0f);
   assert_vector_near(s.bsdf.albedo, expected.albedo, 1e-5f);
@@ -296,7 +296,7 @@ static void alpha_below_the_cutoff_is_absent(void **state) {
   }
 }
 
-// A room with a block in it, where light walks from wall to wall.
+// Makes a room that contains a block, for walks of light from wall to wall.
 static olx_scene *walkable_room(olx_vec3 center, float side) {
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
@@ -307,7 +307,7 @@ static olx_scene *walkable_room(olx_vec3 center, float side) {
   return made_finish(scene);
 }
 
-// Follow diffuse reflections and note the triangles; fails when the walk leaves the room.
+// Follows diffuse reflections and records the triangles; fails when the walk leaves the room.
 static void walk(const olx_scene *scene, olx_vec3 start, uint32_t seed, uint32_t steps, uint32_t *triangles) {
   olx_ray ray = {start, olx_sample_sphere(made_random(seed, 0)), 0.0f, INFINITY};
   for (uint32_t i = 0; i < steps; i++) {
@@ -344,7 +344,7 @@ static void no_light_leaves_a_closed_room_far_from_the_origin(void **state) {
   }
 }
 
-// In a convex room every two points of the walls that do not share a wall see each other, at any scale and place.
+// In a convex room any two points of the walls that are not on the same wall see each other, at any scale and position.
 static void rays_between_two_walls_meet_neither(void **state) {
   (void)state;
   const float sides[3] = {0.01f, 2.0f, 100.0f};
@@ -363,7 +363,7 @@ static void rays_between_two_walls_meet_neither(void **state) {
       const olx_vec3 target = olx_madd(to.position, to.geometric_normal, to.epsilon);
       const olx_ray ray = olx_surface_ray_to(&from, target, to.epsilon);
       assert_false(olx_bvh_occluded(scene->bvh, &ray));
-      // The same ray without the end finds the target.
+      // Without its end, the same ray meets the target.
       const olx_ray beyond = {ray.origin, ray.direction, 0.0f, INFINITY};
       const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &beyond);
       assert_true(hit.triangle != OLX_NO_HIT && hit.t >= ray.t_max);

@@ -22,7 +22,7 @@ static olx_bake_settings settings_at(const olx_scene *scene, olx_vec3 position, 
   settings.irradiance_size = 32;
   settings.threads = 2;
   settings.light = light;
-  settings.uncompressed = true; // what is captured, to the step that texels hold
+  settings.uncompressed = true; // texels keep captured values with the smallest steps
   return settings;
 }
 
@@ -42,7 +42,7 @@ static float series(float ratio, uint32_t first, uint32_t last) {
   return sum;
 }
 
-// Mean over the map of what a texel holds.
+// Reads one value of a texel; mean_of averages it over the map.
 typedef olx_vec3 (*texel_reader)(const olx_field *field, uint32_t probe, size_t texel);
 static float mean_of(const olx_field *field, texel_reader read) {
   double sum = 0.0;
@@ -50,8 +50,8 @@ static float mean_of(const olx_field *field, texel_reader read) {
   return (float)(sum / (SIZE * SIZE));
 }
 
-// A closed room that glows by itself: its walls reflect what they get, whatever they emit. Shading them gives the
-// series of all bounces. A share of 2^-9 is what nine bits leave; the means of 1,024 texels carry noise of 0.2 %.
+// In a closed room that emits, walls reflect the light that they receive, whatever they emit; shading them gives the
+// series of all bounces. Nine bits leave a relative error of 2^-9; the means of 1,024 texels have noise of 0.2 %.
 static void furnace_keeps_its_light(olx_bake_light light) {
   const float albedo = 0.5f, emission = 2.0f;
   olx_scene *scene = made_scene();
@@ -74,7 +74,8 @@ static void furnace_keeps_its_light(olx_bake_light light) {
     for (uint32_t i = 0; i < SIZE * SIZE; i++) {
       const size_t texel = texel_at(i % SIZE, i / SIZE);
       assert_near(olx_texel_emission(field, 0, texel), olx_splat(emission), 0.0f);
-      assert_near(olx_texel_material(field, 0, texel).albedo, olx_splat(albedo), 0.003f); // half a step of the root
+      // Half a step of the stored root.
+      assert_near(olx_texel_material(field, 0, texel).albedo, olx_splat(albedo), 0.003f);
     }
     const float direct = OLX_PI * emission, indirect = direct * series(albedo, 1, bounces + 1);
     assert_float_equal(mean_of(field, olx_texel_direct), direct, 0.005f * direct);
@@ -89,7 +90,7 @@ static void furnace_keeps_its_light(olx_bake_light light) {
       assert_near(seen.lobe, olx_splat(0.0f), 0.0f);
       sum += (double)seen.reflected.x / (SIZE * SIZE);
     }
-    // Paths from texels do not tell which share came with the last bounce, so that is not left out.
+    // Paths from texels do not separate the share of the last bounce, so that share is not left out.
     const uint32_t surfaces = light == OLX_LIGHT_REFERENCE ? bounces + 2 : bounces + 1;
     const float reflected = emission * series(albedo, 1, surfaces);
     assert_float_equal((float)sum, reflected, 0.008f * reflected);
@@ -122,8 +123,8 @@ static void add_light(olx_scene *scene, const olx_light *light) {
   assert_int_equal(olx_scene_add_light(scene, light), OLX_OK);
 }
 
-// A lamp in a room: its walls get E = I cos / r^2 whether they glow faintly or not, and no more light than before is in
-// them.
+// The walls of a room with a lamp receive E = I cos / r^2 whether they emit faintly or not, and store no more light
+// than without emission.
 static void faint_glow_hides_nothing(void **state) {
   (void)state;
   olx_field *field[2];
@@ -150,8 +151,8 @@ static void faint_glow_hides_nothing(void **state) {
                                 olx_texel_distance(field[1], 0, at));
     const float r = olx_length(p), cosine = -olx_dot(olx_texel_normal(field[1], 0, at), p) / r;
     const float lamp = 5.0f * cosine / (r * r);
-    // Samples lie up to a quarter of a texel off its middle each way, and light falls with the cube of the distance.
-    // What the walls send each other straight is pi times the glow.
+    // Samples are up to a quarter of a texel away from its middle in each direction, and light falls with the cube of
+    // the distance. The walls' direct light from each other is pi times their emission.
     const float facing = -olx_dot(olx_texel_normal(field[1], 0, at), towards(i % SIZE, i / SIZE));
     const float footprint = olx_texel_distance(field[1], 0, at) * 3.545f / SIZE / facing;
     const float spread = lamp * 3.0f * 0.36f * footprint / r + 0.01f * lamp;
@@ -161,13 +162,13 @@ static void faint_glow_hides_nothing(void **state) {
   olx_field_close(field[1]);
 }
 
-// A square under an even sky and a sun. What is not square is sky.
+// A square is lit by a uniform sky and a sun; texels that do not show the square show sky.
 static void sky_and_sun_light_a_square(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
   const olx_material material = plain(olx_splat(0.6f));
   made_square(scene, 0.0f, made_material(scene, &material));
-  // A sheet that throws its shadow on the half x > 0, out of sight of the probe.
+  // This sheet, which the probe does not see, casts its shadow on the half x > 0.
   made_quad(scene, olx_v3(1.0f, 50.0f, 0.0f), olx_v3(0.0f, 0.0f, 2.0f), olx_v3(2.0f, 0.0f, 0.0f), 0);
   scene->environment.radiance = olx_v3(0.5f, 1.0f, 2.0f);
   add_light(scene,
@@ -189,15 +190,15 @@ static void sky_and_sun_light_a_square(void **state) {
       assert_near(olx_texel_direct(field, 0, at), olx_splat(0.0f), 0.0f);
       continue;
     }
-    if (p.y > 1.0f) continue; // the sheet
+    if (p.y > 1.0f) continue; // a texel of the sheet
     assert_near(olx_texel_emission(field, 0, at), olx_splat(0.0f), 0.0f);
-    if (fabsf(p.x) < 0.2f) continue; // texels that the shadow's edge may cross
+    if (fabsf(p.x) < 0.2f) continue; // a texel that the shadow's edge may cross
     const olx_vec3 direct =
         olx_madd(p.x < 0.0f ? olx_v3(3.0f, 2.0f, 1.0f) : olx_splat(0.0f), olx_v3(0.5f, 1.0f, 2.0f), OLX_PI);
     assert_near(olx_texel_direct(field, 0, at), direct, 0.02f * direct.z);
     *(p.x < 0.0f ? &lit : &shaded) += 1;
   }
-  // The sheet takes 0.0004 of the sphere that a point sees, and reflects no more than 0.6 of what it gets.
+  // The sheet covers 0.0004 of the sphere around a point, and reflects no more than 0.6 of the light that it receives.
   assert_true(mean_of(field, olx_texel_indirect) < 0.01f);
   assert_true(lit > 50 && shaded > 50 && sky > 300);
   const olx_field_light *sun = field->surfaces.lights;
@@ -208,7 +209,7 @@ static void sky_and_sun_light_a_square(void **state) {
   olx_scene_free(scene);
 }
 
-// Red and blue stripes a tenth of a texel wide: many samples see about as much of both.
+// Stripes of red and blue are a tenth of a texel wide, so many samples see about as much of both.
 static void texels_average_textures(void **state) {
   (void)state;
   enum { STRIPES = 256 };
@@ -244,7 +245,7 @@ static void texels_average_textures(void **state) {
   olx_scene_free(scene);
 }
 
-// What is stored of a material is what it was, to within a byte.
+// Stored materials agree with the originals to within a byte's step.
 static void materials_survive(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -294,7 +295,7 @@ static void any_threads_make_the_same_bytes(void **state) {
   olx_scene_free(scene);
 }
 
-// The light of surfaces, next to that of another bake.
+// Asserts that the light of surfaces in one bake is near that in another.
 static void assert_alike(const olx_field *a, const olx_field *b, texel_reader read, double most) {
   double off = 0.0, all = 0.0;
   for (uint32_t i = 0; i < SIZE * SIZE; i++) {
@@ -308,7 +309,7 @@ static void assert_alike(const olx_field *a, const olx_field *b, texel_reader re
   assert_true(all > 0.0 && off / all < most);
 }
 
-// Planes lie a quarter of a footprint off at most, and what emits is the same.
+// Asserts that points are at most a quarter of a footprint from their planes, and that the same texels emit.
 static void assert_same_place(const olx_field *texels, const olx_field *blocks, uint32_t x, uint32_t y) {
   const size_t at = texel_at(x, y);
   assert_int_equal(olx_texel_emits(texels, 0, at), olx_texel_emits(blocks, 0, at));
@@ -321,7 +322,7 @@ static void assert_same_place(const olx_field *texels, const olx_field *blocks, 
   assert_true(olx_dot(seen.normal, olx_texel_normal(texels, 0, at)) > 0.79f);
 }
 
-// What blocks lose, and that nothing else differs.
+// Bounds the error of blocks against texels, and checks that nothing else differs.
 static void blocks_hold_what_texels_hold(void **state) {
   (void)state;
   olx_scene *scene = NULL;

@@ -1,4 +1,5 @@
-// Tests diffuse light read from where surfaces are: a surface's points get what is stored for it, and nothing else.
+// Tests diffuse light that is read from stored surfaces: points of a surface get the light that is stored for it, and
+// no other.
 #include "analytic_field.h"
 
 #include "core/sampling.h"
@@ -19,8 +20,8 @@ static const olx_grid single = {.origin = {1.9f, 1.4f, 2.7f}, .count = {1, 1, 1}
 typedef analytic_hit (*caster)(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 typedef olx_vec3 (*lighting)(olx_vec3 position, olx_vec3 normal, uint32_t probe);
 
-// A field of what `cast` meets, with light of this kind stored at every texel. Irradiance probes hold 1, 2, 3, ... as
-// analytic fields do, so that light from the volume can be told apart.
+// Makes a field of what `cast` meets, with light of this kind stored at every texel. Irradiance probes hold 1, 2, 3,
+// ... as in all analytic fields, so that the test can recognise light from the volume.
 static olx_field *field_of(const analytic_scene *scene, const olx_grid *grid, uint32_t n, caster cast, lighting light) {
   olx_field *f = analytic_field_make(scene, grid, n, 16);
   uint16_t *distance = (uint16_t *)(uintptr_t)f->distance, *normal = (uint16_t *)(uintptr_t)f->normal;
@@ -54,7 +55,7 @@ static void assert_light(const olx_field *f, olx_vec3 p, olx_vec3 n, float expec
            light.probes, (double)expected);
 }
 
-// A random point of the room's walls, floor and ceiling, and the normal there.
+// Returns a random point of the room's walls, floor and ceiling, and the normal there.
 static olx_vec3 on_room(uint32_t i, const analytic_box *room, olx_vec3 *normal) {
   const olx_vec2 a = olx_stratified2(i, 3), b = olx_stratified2(i, 4);
   const uint32_t axis = i % 3;
@@ -66,7 +67,7 @@ static olx_vec3 on_room(uint32_t i, const analytic_box *room, olx_vec3 *normal) 
   return olx_add(room->min, olx_mul(olx_load3(unit), olx_sub(room->max, room->min)));
 }
 
-// ---- what is stored
+// ---- stored light
 
 static olx_vec3 colored(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   (void)p, (void)n, (void)probe;
@@ -94,7 +95,7 @@ static olx_vec3 waves(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   return olx_splat(2.0f + sinf(2.0f * p.x) + cosf(1.5f * p.z + p.y));
 }
 
-// Root mean square over the floor, walls and ceiling.
+// Returns the root mean square error over the floor, walls and ceiling.
 static double error_of_waves(uint32_t n) {
   olx_field *f = field_of(&empty_room, &cage, n, analytic_cast, waves);
   double sum = 0.0;
@@ -108,7 +109,7 @@ static double error_of_waves(uint32_t n) {
   return sqrt(sum / 3000.0);
 }
 
-// Bilinear interpolation is of second order: twice the texels, a quarter of the error.
+// Bilinear interpolation is of second order: twice as many texels along a side give a quarter of the error.
 static void smooth_light_is_interpolated(void **state) {
   (void)state;
   const double coarse = error_of_waves(16), fine = error_of_waves(32);
@@ -121,8 +122,8 @@ static olx_vec3 slope(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   return olx_splat(1.0f + 0.25f * p.x + 0.125f * p.z);
 }
 
-// Below a probe the octahedral map is folded: along four lines on the floor the four texels lie on both sides of an
-// edge of the map. Light is as on other lines, and the same on both sides.
+// Below a probe the octahedral map is folded: along four lines on the floor, the four texels are on both sides of an
+// edge of the map. Light there is as accurate as on other lines, and the same on both sides.
 static void texels_across_the_fold_are_the_neighbours(void **state) {
   (void)state;
   const olx_grid grid = {.origin = {2.0f, 1.0f, 2.5f}, .count = {1, 1, 1}};
@@ -136,7 +137,7 @@ static void texels_across_the_fold_are_the_neighbours(void **state) {
     };
     for (uint32_t k = 0; k < 2; k++) {
       const float one = light_at(f, places[k][0], up).irradiance.x, other = light_at(f, places[k][1], up).irradiance.x;
-      // A texel is up to 0.2 m long here, and light changes by 0.28 a metre: by 0.028 over half a texel.
+      // A texel is up to 0.2 m long here, and light changes by 0.28 a metre, that is by 0.028 over half a texel.
       const float error = fabsf(one - slope(places[k][0], up, 0).x);
       if (error > 0.028f || fabsf(one - other) > 1e-3f) {
         fail_msg("(%g %g): off by %g, and %g across", (double)places[k][0].x, (double)places[k][0].z, (double)error,
@@ -158,17 +159,17 @@ static olx_vec3 dark_step(olx_vec3 p, olx_vec3 n, uint32_t probe) {
                                                                                                           : 4.0f);
 }
 
-// A lit floor beside a step that is fifty times darker; neither is even.
+// Returns the light of a floor beside a step that is fifty times darker; both vary.
 static olx_vec3 uneven_step(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   const bool dark = dark_step(p, n, probe).x < 2.0f;
   return olx_splat(dark ? 0.2f + 0.06f * sinf(9.0f * p.z + 20.0f * p.y) : 10.0f + 3.0f * sinf(4.0f * p.x + p.z));
 }
 
 typedef struct block_errors {
-  double dark, lit, worst_dark; // relative MSE, and the largest error where it is dark
+  double dark, lit, worst_dark; // relative MSE on the step and on the floor, and the largest error on the dark step
 } block_errors;
 
-// Of what blocks give on the step and around it, against what texels give there.
+// Returns the errors of light from blocks on the step and around it, against light from texels.
 static block_errors errors_of_blocks(void) {
   olx_field *texels = field_of(&stepped, &cage, 64, analytic_cast, uneven_step),
             *blocks = field_of(&stepped, &cage, 64, analytic_cast, uneven_step);
@@ -193,8 +194,9 @@ static block_errors errors_of_blocks(void) {
   return (block_errors){off[1] / all[1], off[0] / all[0], worst};
 }
 
-// Blocks of 4 x 4 texels hold both surfaces, and each keeps its own light: to a few per cent, and of the brighter one's
-// light less than a hundredth comes across, which is what the encoder counts errors of darkness against.
+// Blocks of 4 x 4 texels contain both surfaces, and each surface keeps its own light to a few per cent; less than a
+// hundredth of the brighter light leaks into the darker one, the limit relative to which the encoder measures errors of
+// dark texels.
 static void blocks_do_not_bleed(void **state) {
   (void)state;
   const block_errors e = errors_of_blocks();
@@ -225,7 +227,7 @@ static olx_vec3 bright_frame(olx_vec3 p, olx_vec3 n, uint32_t probe) {
                                                                                                           : 1.0f);
 }
 
-// The frame hangs a centimetre before the wall, a quarter of a texel's side from the probe.
+// The picture frame hangs a centimetre before the wall, a quarter of a texel's side as seen from the probe.
 static void a_picture_frame_and_its_wall_get_their_own_light(void **state) {
   (void)state;
   const olx_grid grid = {.origin = {1.5f, 1.4f, 2.5f}, .count = {1, 1, 1}};
@@ -240,7 +242,7 @@ static void a_picture_frame_and_its_wall_get_their_own_light(void **state) {
     settings.surface_tolerance = 1.0f;
     widened += olx_surface_irradiance(f, &settings, wall, n, n, n).x > 1.01f;
   }
-  // A host that draws levels of detail gives that up.
+  // With a surface tolerance, as for levels of detail, the wall also takes light of the frame.
   assert_true(widened > 30);
   analytic_field_free(f);
 }
@@ -272,7 +274,7 @@ static void each_side_of_a_thin_wall_gets_its_own_light(void **state) {
 static const olx_vec3 ball = {2.0f, 1.4f, 2.4f};
 static const float ball_radius = 0.6f;
 
-// The ball is of flat facets of 12 by 12 degrees, as far as normals tell.
+// Returns the normal of the ball's flat facet at n; facets span 12 by 12 degrees.
 static olx_vec3 facet_of(olx_vec3 n) {
   const float step = OLX_PI / 15.0f;
   const float theta = (floorf(acosf(olx_clamp(n.y, -1.0f, 1.0f)) / step) + 0.5f) * step;
@@ -288,7 +290,8 @@ static analytic_hit cast_ball(const analytic_scene *scene, olx_vec3 o, olx_vec3 
   return (analytic_hit){t, facet_of(olx_normalize(olx_sub(olx_madd(o, d, t), ball)))};
 }
 
-// Light from above: for the smooth normal, as a bake stores it for the normal between a triangle's corners.
+// Returns light from above for the smooth normal, as a bake stores it for normals that are interpolated between a
+// triangle's corners.
 static olx_vec3 from_above(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   (void)n, (void)probe;
   return olx_splat(2.0f + olx_normalize(olx_sub(p, ball)).y);
@@ -301,7 +304,7 @@ static void a_ball_of_facets_is_smooth(void **state) {
   float before = 0.0f, largest = 0.0f;
   uint32_t stored = 0;
   for (uint32_t i = 0; i < STEPS; i++) {
-    // A spiral from pole to pole, in steps of at most 0.6 degrees.
+    // The points follow a spiral from pole to pole, in steps of at most 0.6 degrees.
     const float y = 1.0f - 2.0f * ((float)i + 0.5f) / STEPS, r = sqrtf(1.0f - y * y), phi = 0.01f * (float)i;
     const olx_vec3 n = olx_v3(r * cosf(phi), y, r * sinf(phi)), p = olx_madd(ball, n, ball_radius);
     const olx_surface_point point = {p, facet_of(n), n, n, n};
@@ -310,7 +313,8 @@ static void a_ball_of_facets_is_smooth(void **state) {
     stored += light.probes > 0;
     if (light.probes == 0) continue;
     const float off = fabsf(light.irradiance.x - from_above(p, n, 0).x);
-    // Texels are up to 0.1 radians of the ball apart, so light in them is: their mean is off by much less.
+    // Texels are up to 0.1 radians apart on the ball, and their light differs by as much; the error of their mean is
+    // much smaller.
     if (off > 0.06f) fail_msg("step %u: off by %g", i, (double)off);
     if (before > 0.0f) largest = olx_max(largest, fabsf(light.irradiance.x - before));
     before = light.irradiance.x;
@@ -328,28 +332,29 @@ static olx_vec3 of_probe(olx_vec3 p, olx_vec3 n, uint32_t probe) {
   return olx_splat((float)(probe + 1));
 }
 
-// Every probe stores another light, as if bakes were noisy. Where one takes over from another light goes over smoothly.
+// Every probe stores a different light, as if bakes were noisy. Where one probe takes over from another, light changes
+// smoothly.
 static void probes_take_over_smoothly(void **state) {
   (void)state;
   olx_field *f = field_of(&stepped, &cage, 64, analytic_cast, of_probe);
   float before = 0.0f, largest = 0.0f;
   enum { STEPS = 20000 };
   for (uint32_t i = 0; i < STEPS; i++) {
-    const float s = ((float)i + 0.5f) / STEPS; // 0.25 mm each; beside the step, which hides some probes
+    const float s = ((float)i + 0.5f) / STEPS; // steps of 0.25 mm beside the step, which hides some probes
     const olx_surface_light light = light_at(f, olx_v3(1.2f + 0.2f * s, 0.0f, 4.9f * s + 0.05f), olx_v3(0, 1, 0));
     assert_true(light.probes > 0);
     if (i > 0) largest = olx_max(largest, fabsf(light.irradiance.x - before));
     before = light.irradiance.x;
   }
   print_message("largest step from probe to probe: %.4f\n", (double)largest);
-  assert_true(largest < 0.1f); // probes differ by up to 7
+  assert_true(largest < 0.1f); // a small step, since the probes' lights differ by up to 7
   analytic_field_free(f);
 }
 
 static void the_nearest_probe_in_front_answers(void **state) {
   (void)state;
   olx_field *f = field_of(&empty_room, &cage, 64, analytic_cast, of_probe);
-  assert_light(f, olx_v3(0.6f, 0.0f, 0.7f), olx_v3(0, 1, 0), 1.0f); // straight below probe 0
+  assert_light(f, olx_v3(0.6f, 0.0f, 0.7f), olx_v3(0, 1, 0), 1.0f); // a point straight below probe 0
   assert_light(f, olx_v3(3.4f, 3.0f, 4.2f), olx_v3(0, -1, 0), 8.0f);
   ((uint8_t *)(uintptr_t)f->probe_flags)[0] = OLX_PROBE_BURIED;
   const olx_surface_light other = light_at(f, olx_v3(0.6f, 0.0f, 0.7f), olx_v3(0, 1, 0));
@@ -357,7 +362,7 @@ static void the_nearest_probe_in_front_answers(void **state) {
   analytic_field_free(f);
 }
 
-// One brick, whose list names probe 7 alone.
+// The bricks consist of one brick whose list names only probe 7.
 static void bricks_name_the_probes_and_all_others_come_after_them(void **state) {
   (void)state;
   olx_field *f = field_of(&halved, &cage, 64, analytic_cast, of_probe);
@@ -374,7 +379,7 @@ static void bricks_name_the_probes_and_all_others_come_after_them(void **state) 
   analytic_field_free(f);
 }
 
-// ---- where nothing is stored
+// ---- points without stored light
 
 static void assert_volume(const olx_field *f, olx_vec3 p, olx_vec3 n) {
   const olx_sample_settings settings = olx_sample_settings_default();
@@ -389,21 +394,22 @@ static void points_that_no_probe_sees_get_the_volume(void **state) {
   static const analytic_scene open_court = {.room = {{0, 0, 0}, {4, 3, 5}}, .open = true};
   olx_field *f = field_of(&open_court, &single, 64, analytic_cast, colored);
   assert_true(light_at(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, 1, 0)).probes == 1);
-  assert_volume(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, -1, 0)); // the far side of the floor
-  assert_volume(f, olx_v3(1.0f, 0.3f, 1.0f), olx_v3(0, 1, 0));  // in the air
-  assert_volume(f, olx_v3(1.0f, -0.3f, 1.0f), olx_v3(0, 1, 0)); // below the floor
-  assert_volume(f, olx_v3(1.0f, 3.0f, 1.0f), olx_v3(0, -1, 0)); // a ceiling that was not there: the sky is stored
+  assert_volume(f, olx_v3(1.0f, 0.0f, 1.0f), olx_v3(0, -1, 0)); // the back of the floor
+  assert_volume(f, olx_v3(1.0f, 0.3f, 1.0f), olx_v3(0, 1, 0));  // a point in the air
+  assert_volume(f, olx_v3(1.0f, -0.3f, 1.0f), olx_v3(0, 1, 0)); // a point below the floor
+  // A ceiling that was missing in the bake, so sky is stored there.
+  assert_volume(f, olx_v3(1.0f, 3.0f, 1.0f), olx_v3(0, -1, 0));
   analytic_field_free(f);
   static const analytic_scene pillar = {
       .room = {{0, 0, 0}, {4, 3, 5}}, .box_count = 1, .boxes = {{{1.0f, 0.0f, 1.0f}, {1.4f, 3.0f, 1.4f}}}};
   f = field_of(&pillar, &single, 64, analytic_cast, colored);
-  assert_volume(f, olx_v3(0.8f, 0.0f, 0.5f), olx_v3(0, 1, 0)); // in its shadow
+  assert_volume(f, olx_v3(0.8f, 0.0f, 0.5f), olx_v3(0, 1, 0)); // a point in the pillar's shadow
   analytic_field_free(f);
 }
 
 // ---- normal maps
 
-// Irradiance of every irradiance probe, by the normal's height.
+// Sets the irradiance of every irradiance probe, by the height of the normal.
 static void fill_volume(olx_field *f, olx_vec3 below, olx_vec3 above) {
   uint32_t *irradiance = (uint32_t *)(uintptr_t)f->irradiance;
   const int32_t n = (int32_t)f->irradiance_n, stride = n + 2;
@@ -421,15 +427,16 @@ static void normal_maps_change_light_as_they_change_that_of_the_volume(void **st
   olx_field *f = field_of(&empty_room, &cage, 64, analytic_cast, colored);
   const olx_sample_settings settings = olx_sample_settings_default();
   const olx_vec3 p = {1.0f, 0.0f, 1.0f}, up = {0, 1, 0}, bent = olx_normalize(olx_v3(1, 1, 0));
-  // Twice as bright, from 1/8 to 1 where 4 is the most, and black as before.
+  // The ratio of irradiance is 2 in red; 8 in green, which is limited to 4; and in blue both are black, which leaves
+  // light unchanged.
   fill_volume(f, olx_v3(2.0f, 1.0f, 0.0f), olx_v3(1.0f, 0.125f, 0.0f));
   olx_vec3 light = olx_surface_irradiance(f, &settings, p, up, bent, up);
   assert_true(fabsf(light.x - 1.0f) < 1e-4f && fabsf(light.y - 8.0f) < 1e-4f && fabsf(light.z - 3.0f) < 1e-4f);
-  // Light from darkness is the most, darkness from light is dark.
+  // A ratio above darkness takes the limit, and a ratio of 0 leaves darkness.
   fill_volume(f, olx_v3(1.0f, 0.0f, 0.5f), olx_v3(0.0f, 1.0f, 1.0f));
   light = olx_surface_irradiance(f, &settings, p, up, bent, up);
   assert_true(fabsf(light.x - 2.0f) < 1e-4f && light.y == 0.0f && fabsf(light.z - 1.5f) < 1e-4f);
-  // What the vertices' normals do is in the stored light, whatever the triangle's is.
+  // Stored light contains the effect of the vertices' normals, whatever the triangle's normal is.
   const olx_surface_point smooth = {p, up, bent, bent, up};
   assert_true(fabsf(olx_surface_light_at(f, &settings, &smooth).irradiance.x - 0.5f) < 1e-5f);
   analytic_field_free(f);

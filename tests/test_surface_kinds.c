@@ -1,5 +1,6 @@
 // Tests the default diffuse light from placed probes against the path tracer on each kind of surface: with a normal
-// map, smooth, with holes, without thickness, curved. A camera that moves sees it change as the path tracer does.
+// map, smooth, with holes, without thickness, curved. Seen by a moving camera, it changes as the path tracer's light
+// does.
 #include "baked_field.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
@@ -15,11 +16,11 @@
 
 enum { POINTS = 200, PATHS = 256, BOUNCES = 8 };
 
-// One room holds all kinds. Its lamp hangs in a corner, so that light differs from side to side.
+// One room contains all kinds of surfaces. Its lamp hangs in a corner, so that light differs from side to side.
 typedef struct room_of_kinds {
   olx_scene *scene;
   olx_field *field;
-  uint32_t bumpy, ball, leaf, sheet, cloth; // materials
+  uint32_t bumpy, ball, leaf, sheet, cloth; // numbers of the materials
 } room_of_kinds;
 
 static uint32_t matte(olx_scene *scene, const char *name, olx_vec3 color) {
@@ -28,7 +29,7 @@ static uint32_t matte(olx_scene *scene, const char *name, olx_vec3 color) {
   return material;
 }
 
-// Bumps that tilt the normal by up to 34 degrees.
+// Adds a wall with bumps that tilt the normal by up to 34 degrees.
 static void add_bumpy_wall(olx_scene *scene, uint32_t *material) {
   enum { SIDE = 16 };
   uint8_t texels[SIDE * SIDE][4];
@@ -55,7 +56,7 @@ static void add_ball(olx_scene *scene, uint32_t *material) {
   ASSERT_OK(olx_add_lathe(scene, "ball", olx_v3(0.9f, 0.5f, 0.6f), profile, STEPS + 1, SEGMENTS, *material));
 }
 
-// A card with a disk of it there and its corners cut away.
+// Adds a card of which only a disk is opaque and the corners are cut away.
 static void add_leaf(olx_scene *scene, uint32_t *material) {
   enum { SIDE = 32 };
   uint8_t texels[SIDE * SIDE][4];
@@ -70,7 +71,7 @@ static void add_leaf(olx_scene *scene, uint32_t *material) {
   made_quad(scene, olx_v3(0.6f, 2.0f, -0.9f), olx_v3(0.9f, 0.3f, 0.0f), olx_v3(-0.2f, 0.6f, 0.6f), *material);
 }
 
-// Before the lamp, so that one side is bright and the other dim.
+// Adds a sheet in front of the lamp, so that one side is bright and the other dim.
 static void add_sheet(olx_scene *scene, uint32_t *material) {
   *material = matte(scene, "sheet", olx_v3(0.7f, 0.6f, 0.4f));
   made_quad(scene, olx_v3(-0.5f, 1.1f, -0.9f), olx_v3(1.4f, 0.0f, 0.3f), olx_v3(0.0f, 1.9f, 0.0f), *material);
@@ -132,7 +133,7 @@ static int free_room(void **state) {
   return 0;
 }
 
-// What the public function says of a surface: its normals are those that octalux/sample.h asks for.
+// Returns the public function's irradiance of a surface, with the normals that octalux/sample.h asks for.
 static olx_vec3 stored_light(const room_of_kinds *room, const olx_surface *s, bool mapped, olx_vec3 view) {
   const olx_sample_settings settings = olx_sample_settings_default();
   return olx_surface_irradiance(room->field, &settings, olx_madd(s->position, s->geometric_normal, s->epsilon),
@@ -144,7 +145,7 @@ static olx_vec3 true_light(const room_of_kinds *room, const olx_surface *s, uint
   return olx_path_surface_irradiance(room->scene, s, room->field->info.bounces.count + 1, paths, seed, &rays);
 }
 
-// A random point of a material, on its front or its back; false where the material is cut away.
+// Finds a random point of a material, on its front or its back; returns false where the material is cut away.
 static bool point_of(const olx_scene *scene, uint32_t material, uint32_t index, bool back, olx_surface *s) {
   uint32_t first = 0, count = 0;
   for (uint32_t t = 0; t < scene->triangle_count; t++) {
@@ -163,8 +164,8 @@ static bool point_of(const olx_scene *scene, uint32_t material, uint32_t index, 
   return true;
 }
 
-// How far off the path tracer stored light is: relative mean square and bias. Both halves of the reference have noise
-// of their own, and so their products none on average.
+// The error of stored light against the path tracer: relative mean square and bias. The reference has two halves with
+// independent noise, whose product has none on average.
 typedef struct difference {
   double square, power, more, light;
 } difference;
@@ -222,7 +223,7 @@ static void a_card_with_holes(void **state) {
   assert_alike(&back, "leaf, back", 0.01, 0.02);
 }
 
-// The dim side gets light that it would not have if the bright side's came through.
+// If light of the bright side leaked through, the dim side would have more light than the path tracer finds.
 static void each_side_of_a_sheet(void **state) {
   const room_of_kinds *room = *state;
   const difference front = compare_side(room, room->sheet, false, false),
@@ -244,12 +245,12 @@ static void both_sides_of_a_curved_cloth(void **state) {
 
 enum { WIDTH = 640, HEIGHT = 360, FRAMES = 2, MANY_PATHS = 1 << 10 };
 
-// What light that a pixel shows may change by between two frames, beyond the path tracer's, as a share of it. Beside
-// edges and on curved surfaces seen aslant stored light has steps from texel to texel: so many pixels may show one, and
-// of no more than that.
+// STEADY is the relative change of a pixel's light between two frames that is allowed beyond the path tracer's change.
+// Beside edges and on curved surfaces at grazing angles stored light has steps from texel to texel, so a share
+// STEPS_SHARE of pixels may change by more, up to MOST_STEP.
 static const double STEADY = 0.02, STEPS_SHARE = 0.001, MOST_STEP = 0.2;
 
-// Two centimetres a frame, turning a little.
+// Returns the camera of a frame, which moves by two centimetres a frame and turns a little.
 static olx_camera camera_of(const olx_scene *scene, uint32_t frame) {
   olx_camera camera = olx_scene_camera(scene, 0);
   const float way = 0.02f * (float)frame;
@@ -258,7 +259,7 @@ static olx_camera camera_of(const olx_scene *scene, uint32_t frame) {
   return camera;
 }
 
-// A frame: its picture, and what each pixel's centre shows.
+// A frame: its picture, and the surface at each pixel's centre.
 typedef struct frame_seen {
   olx_camera_frame camera;
   olx_image image;
@@ -292,7 +293,7 @@ static void free_frame(frame_seen *seen) {
   olx_release(seen);
 }
 
-// Irradiance that a pixel of a picture shows, on the average of channels.
+// Returns the irradiance that a pixel of a picture shows, averaged over channels.
 static double shown(const olx_image *image, uint32_t i) {
   const olx_vec3 light = image->layers[OLX_LAYER_INDIRECT_DIFFUSE][i], albedo = image->layers[OLX_LAYER_ALBEDO][i];
   return (double)(OLX_PI * (light.x + light.y + light.z) / (albedo.x + albedo.y + albedo.z));
@@ -300,7 +301,7 @@ static double shown(const olx_image *image, uint32_t i) {
 
 static double mean3(olx_vec3 v) { return ((double)v.x + (double)v.y + (double)v.z) / 3.0; }
 
-// The four pixels of a frame around the point, and how much each counts; false where one of them shows something else.
+// The four pixels of a frame around a point, and their weights; not found where one of them shows another surface.
 typedef struct four_pixels {
   uint32_t at[4];
   float weight[4];
@@ -343,8 +344,8 @@ static double traced_around(const room_of_kinds *room, const frame_seen *seen, c
   return sum;
 }
 
-// Change of a point's light from one picture to the next, beyond that of the path tracer's, which is traced only where
-// the change is more than is allowed without it.
+// Returns the change of a point's light from one picture to the next, beyond that of the path tracer's light, which is
+// traced only when the change exceeds the bound without it.
 static double change_beyond(const room_of_kinds *room, const frame_seen *before, uint32_t i, const frame_seen *after,
                             const four_pixels *around) {
   const double one = shown(&before->image, i), two = shown_around(&after->image, around),
@@ -381,7 +382,7 @@ static void frames_of_a_moving_camera_are_steady(void **state) {
   assert_true(worst <= MOST_STEP);
 }
 
-// Light at points that rest does not depend on where they are seen from.
+// Light at fixed points does not depend on the camera's position.
 static void light_at_a_point_is_the_same_from_everywhere(void **state) {
   const room_of_kinds *room = *state;
   const uint32_t materials[] = {0, 1, 2, room->bumpy, room->ball, room->leaf, room->sheet, room->cloth};

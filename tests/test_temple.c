@@ -1,5 +1,5 @@
-// Tests that the temple has what it was built for: galleries to stand on, stairs to climb and to go under, round
-// pillars, decorated walls, glossy materials, lamps, and cloth with two sides.
+// Tests that the temple has the features it was built for: galleries to stand on, stairs to climb and to go under,
+// round pillars, decorated walls, glossy materials, lamps, and cloth with two sides.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place_fixtures.h"
@@ -48,14 +48,14 @@ static bool sees(const olx_scene *temple, olx_vec3 a, olx_vec3 b) {
   return look(temple, a, way).distance > olx_length(way);
 }
 
-// One of the hall's four quarters.
+// Returns the position mirrored into one of the hall's four quarters.
 static olx_vec3 mirrored(uint32_t quarter, float x, float y, float z) {
   return olx_v3(quarter & 1 ? -x : x, y, quarter & 2 ? -z : z);
 }
 
 static const olx_vec3 down = {0.0f, -1.0f, 0.0f}, up = {0.0f, 1.0f, 0.0f};
 
-// Everywhere that somebody can be, every direction ends on a surface.
+// From every position that a visitor can reach, rays in all directions end on a surface.
 static void no_ray_leads_out(void **state) {
   const olx_scene *temple = *state;
   const olx_vec3 places[] = {{0.0f, 1.7f, 0.0f},  {8.8f, 4.6f, 9.2f},  {-8.8f, 4.6f, 0.0f}, {6.5f, 0.8f, 5.0f},
@@ -68,7 +68,7 @@ static void no_ray_leads_out(void **state) {
   }
 }
 
-// On the gallery there is floor below, more than two metres of air above, and a parapet between hip and breast.
+// On the galleries there is floor below, more than two metres of air above, and a parapet between 0.5 and 1.2 m high.
 static void one_can_stand_on_the_galleries(void **state) {
   const olx_scene *temple = *state;
   for (uint32_t q = 0; q < 4; q++) {
@@ -80,7 +80,7 @@ static void one_can_stand_on_the_galleries(void **state) {
       assert_true(look(temple, head, up).position.y > 8.0f);
     }
     for (float z = 0.3f; z < 9.8f; z += 0.5f) {
-      if (z > 2.0f && z < 8.7f) continue; // the way down the stairs, and pillars
+      if (z > 2.0f && z < 8.7f) continue; // the stairs and the pillars are here
       const olx_vec3 inward = mirrored(q, -1.0f, 0.0f, 0.0f);
       assert_true(fabsf(look(temple, mirrored(q, 8.5f, 3.5f, z), inward).position.x) > 7.4f);
       assert_true(fabsf(look(temple, mirrored(q, 8.5f, 4.2f, z), inward).position.x) < 7.0f ||
@@ -100,13 +100,14 @@ static void fifteen_steps_lead_to_each_gallery(void **state) {
       const sight riser = look(temple, mirrored(q, x - 0.26f, height - 0.1f, 5.0f), mirrored(q, 1.0f, 0.0f, 0.0f));
       assert_true(fabsf(fabsf(riser.position.x) - (3.5f + 0.26f * (float)step)) < 1e-5f);
     }
-    // From the corridor up the stairs, through the arch, onto the gallery.
+    // The way leads from the corridor up the stairs and through the arch onto the gallery.
     assert_true(sees(temple, mirrored(q, 0.0f, 1.7f, 5.0f), mirrored(q, 5.0f, 2.9f, 5.0f)));
     assert_true(sees(temple, mirrored(q, 5.0f, 2.9f, 5.0f), mirrored(q, 8.8f, 4.7f, 5.0f)));
   }
 }
 
-// Under a flight the slab rises towards the gallery, and a way leads out between the flights and at the hall's end.
+// Under a flight of stairs the slab rises towards the gallery, and a way leads out between the flights and at the
+// hall's end.
 static void one_can_go_under_the_stairs(void **state) {
   const olx_scene *temple = *state;
   for (uint32_t q = 0; q < 4; q++) {
@@ -126,7 +127,8 @@ static void one_can_go_under_the_stairs(void **state) {
   }
 }
 
-// Two rows on each side: points around each shaft lie on one circle, and its shading normals point from the axis.
+// There are two rows of pillars on each side: points around each shaft are on one circle, and its shading normals point
+// away from the axis.
 static void the_pillars_of_both_rows_are_round(void **state) {
   const olx_scene *temple = *state;
   const float rows[2] = {2.7f, 7.75f}, heights[2] = {4.0f, 6.0f}, along[2] = {2.5f, 7.5f};
@@ -137,7 +139,7 @@ static void the_pillars_of_both_rows_are_round(void **state) {
     for (uint32_t k = 0; k < 64; k++) {
       const float phi = 2.0f * OLX_PI * ((float)k + 0.3f) / 64.0f;
       const olx_vec3 out = olx_v3(cosf(phi), 0.0f, sinf(phi));
-      // The arcades' walls run into the upper pillars.
+      // Directions in which the arcades' walls join the upper pillars are left out.
       if (row == 1 && fabsf(out.z) > 0.7f) continue;
       const sight s = look(temple, olx_madd(axis, out, 0.9f), olx_scale(out, -1.0f));
       assert_non_null(strstr(s.material, " pillar"));
@@ -151,7 +153,7 @@ static void the_pillars_of_both_rows_are_round(void **state) {
   }
 }
 
-// Along the walls between the pillars, depths differ: arches, pilasters, panels.
+// Along the walls between the pillars depths differ, because of arches, pilasters and panels.
 static void the_walls_are_decorated(void **state) {
   const olx_scene *temple = *state;
   const struct {
@@ -192,7 +194,7 @@ static void materials_are_glossy_in_many_ways_and_lamps_are_many(void **state) {
   assert_true(temple->triangle_count >= 10000 && temple->triangle_count <= 60000);
 }
 
-// A banner is met at one place from both sides, once from the front and once from behind.
+// Rays from both sides meet a banner at the same point, one at its front and one at its back.
 static void cloth_has_two_sides_and_no_thickness(void **state) {
   const olx_scene *temple = *state;
   for (uint32_t q = 0; q < 4; q++) {
@@ -208,7 +210,7 @@ static void cloth_has_two_sides_and_no_thickness(void **state) {
   }
 }
 
-// Share of points of the stairs' undersides, of all four flights, that some probe sees.
+// Returns the share of points on the undersides of all four flights of stairs that some probe sees.
 static float share_seen_under_stairs(const olx_scene *temple, const olx_probe_set *set) {
   enum { POINTS = 4000 };
   uint32_t seen = 0;

@@ -1,5 +1,5 @@
-// Tests light at the end of a ray on surfaces whose material, light and lamps are known, shaded for the ray's own
-// direction.
+// Tests light at the end of a ray on surfaces whose material, light and lamps are known, shaded for the direction of
+// the ray.
 #include "analytic_field.h"
 #include "field/texels.h"
 #include "core/sampling.h"
@@ -27,14 +27,14 @@ static olx_vec3 texel_position(const olx_field *field, uint32_t probe, size_t te
   return olx_madd(field->probe_positions[probe], direction, olx_texel_distance(field, probe, texel));
 }
 
-// Irradiance of the lamp where nothing is in its way.
+// Returns the irradiance of the lamp where nothing occludes it.
 static olx_vec3 lamp_irradiance(olx_vec3 position, olx_vec3 normal) {
   const olx_vec3 way = olx_sub(lamp.position, position);
   const float squared = olx_dot(way, way);
   return olx_scale(lamp_intensity, olx_max(olx_dot(way, normal), 0.0f) / (squared * sqrtf(squared)));
 }
 
-// Every surface of the room has this material, indirect light `indirect` and, where `lit`, the lamp's.
+// Makes a room whose surfaces all have this material, indirect light `indirect` and, where `lit`, the lamp's light.
 static olx_field *room_of(float base, float roughness, float metallic, float weight, bool lit,
                           float indirect) {
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
@@ -54,14 +54,14 @@ static olx_field *room_of(float base, float roughness, float metallic, float wei
   return field;
 }
 
-// Rays from inside the room.
+// Returns the direction of a ray from inside the room.
 static olx_vec3 ray_direction(uint32_t i) {
   const olx_vec2 random = {olx_unit_float(olx_hash2(i, 1)), olx_unit_float(olx_hash2(i, 2))};
   return olx_sample_sphere(random);
 }
 static const olx_vec3 eye = {0.15f, -0.1f, 0.2f};
 
-// The specular lobe's light of the lamp towards the eye, by the one reflection model.
+// Returns the light of the lamp that the specular lobe reflects to the eye, computed with the reflection model.
 static olx_vec3 known_highlight(const olx_bsdf *bsdf, olx_vec3 position, olx_vec3 normal, olx_vec3 direction) {
   olx_vec3 tangent, bitangent;
   olx_basis(normal, &tangent, &bitangent);
@@ -103,7 +103,7 @@ static void a_shadow_hides_the_highlight(void **state) {
   analytic_field_free(field);
 }
 
-// Not twice: the lamp's highlight stands for the specular lobe's share of the lamp's irradiance.
+// The lamp's light is not counted twice: its highlight replaces the specular lobe's share of the lamp's irradiance.
 static void the_lobe_gets_what_is_not_the_lamps(void **state) {
   (void)state;
   const float indirect = 2.0f;
@@ -115,7 +115,7 @@ static void the_lobe_gets_what_is_not_the_lamps(void **state) {
     const olx_bsdf bsdf = olx_texel_material(field, hit.probe, hit.texel);
     const float cosine = fabsf(olx_dot(direction, hit.normal));
     const float known = olx_bsdf_specular_albedo(&bsdf, cosine).x * indirect / OLX_PI;
-    // What is stored of the lamp is rounded, and its place is the middle of the texel.
+    // The bound allows for rounding of the stored light of the lamp, and for its position, the middle of the texel.
     const float away = olx_length(olx_sub(hit.position, lamp.position)), doubt = 0.03f + 3.0f * hit.footprint_metres / away;
     const olx_vec3 direct = olx_texel_direct(field, hit.probe, hit.texel);
     const float slack = olx_bsdf_specular_albedo(&bsdf, cosine).x * doubt * direct.x / OLX_PI;
@@ -124,7 +124,7 @@ static void the_lobe_gets_what_is_not_the_lamps(void **state) {
   analytic_field_free(field);
 }
 
-// A smooth metal floor in a matte room: glossy light that meets it shows what the floor mirrors.
+// Glossy light that meets a smooth metal floor in a matte room shows the floor's reflection.
 static void a_mirror_is_followed_by_one_further_ray(void **state) {
   (void)state;
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
@@ -142,7 +142,8 @@ static void a_mirror_is_followed_by_one_further_ray(void **state) {
     const olx_vec3 direction = ray_direction(i), position = {0.999f, 0.3f * direction.x, 0.5f * direction.z};
     float weight, half_cosine;
     olx_trace_hit hit;
-    // A mirror that looks straight along `direction` sees it against itself.
+    // A mirror whose normal is along `direction` reflects the ray straight back, which shows the surface in that
+    // direction.
     const olx_vec3 down = olx_normalize(olx_v3(-0.5f - fabsf(direction.x), -1.0f, 0.5f * direction.z));
     const olx_vec3 light = olx_glossy(field, &settings, position, down, down, 0.0f, (olx_vec2){0.5f, 0.5f}, &weight,
                                       &half_cosine, &hit);
@@ -163,7 +164,7 @@ static void a_mirror_is_followed_by_one_further_ray(void **state) {
   analytic_field_free(field);
 }
 
-// What emits counts at the end of a further ray, and where settings say so at the end of the first.
+// Emission is included at the end of a further ray, and by a setting at the end of the first ray.
 static void emission_is_apart_from_what_a_surface_reflects(void **state) {
   (void)state;
   olx_field *field = room_of(0.5f, 1.0f, 0.0f, 0.0f, false, OLX_PI);

@@ -1,4 +1,4 @@
-// Tests what decoders of BC6H, BC1 and BC4 make of known blocks, and what encoders keep of light and materials.
+// Tests what decoders of BC6H, BC1 and BC4 make of known blocks, and how much of light and materials encoders keep.
 #include "block/bc1_encode.h"
 #include "block/bc4_encode.h"
 #include "block/bc6h_encode.h"
@@ -18,7 +18,7 @@ static float random_unit(uint32_t i, uint32_t which) { return olx_unit_float(olx
 
 // --- Decoding BC6H
 
-// A block, and the halves of two of its texels.
+// A block, and the half floats of two of its texels.
 typedef struct known_block {
   olx_bc6h_block block;
   struct {
@@ -26,7 +26,7 @@ typedef struct known_block {
   } known[2];
 } known_block;
 
-// One block of each mode, of random bits, and what a reading of the format's definition bit by bit makes of them.
+// One block of random bits for each mode, and the texels that a bit by bit reading of the format's definition gives.
 static const known_block KNOWN[] = {
     // clang-format off
     {{{0x9F767C44, 0x4164D839, 0xBDE5C099, 0x5BC8FBBC}},
@@ -76,17 +76,19 @@ static void all_modes_decode_as_defined(void **state) {
   }
 }
 
-// By hand, in the mode with two ends of ten bits (bits 00011): red from 1023 to 0, green 512 in both, blue from 0 to 1.
+// Decodes a block by hand, in the mode with two ends of ten bits (bits 00011): red from 1023 to 0, green 512 in both,
+// blue from 0 to 1.
 static void a_block_of_one_region_by_hand(void **state) {
   (void)state;
   uint64_t low = 3 | 1023ull << 5 | 512ull << 15 | 0ull << 25 | 0ull << 35 | 512ull << 45 | 1ull << 55;
   uint64_t high = 0;
-  for (uint32_t i = 1; i < TEXELS; i++) high |= (uint64_t)i << 4 * i; // texel i has index i; 0 is bits 65 to 67
+  // Texel i has index i; bits 65 to 67 are texel 0's.
+  for (uint32_t i = 1; i < TEXELS; i++) high |= (uint64_t)i << 4 * i;
   const olx_bc6h_block block = {{(uint32_t)low, (uint32_t)(low >> 32), (uint32_t)high, (uint32_t)(high >> 32)}};
-  // 1023 stands for 65535, and 65535 * 31 / 64 is the largest half float; 512 for 512 * 64 + 32 = 32800; 1 for 96.
+  // 1023 becomes 65535, and 65535 * 31 / 64 is the largest half float; 512 becomes 512 * 64 + 32 = 32800; 1 becomes 96.
   assert_halves(olx_bc6h_texel(&block, 0), (const uint32_t[3]){0x7BFF, 32800 * 31 / 64, 0});
   assert_halves(olx_bc6h_texel(&block, 15), (const uint32_t[3]){0, 32800 * 31 / 64, 96 * 31 / 64});
-  // Index 7 has a share of 30 in 64: red 65535 * 34 / 64 = 34815.5, blue 96 * 30 / 64 = 45, both rounded.
+  // Index 7 has a weight of 30 in 64: red is 65535 * 34 / 64 = 34815.5, blue is 96 * 30 / 64 = 45, both rounded.
   assert_halves(olx_bc6h_texel(&block, 7), (const uint32_t[3]){34815 * 31 / 64, 32800 * 31 / 64, 45 * 31 / 64});
 }
 
@@ -106,13 +108,13 @@ static void any_bits_are_light(void **state) {
 
 // --- Encoding light
 
-// The root of the mean squared error of a texel's channels, relative to its largest.
+// Returns the root mean squared error of a texel's channels, relative to its largest channel.
 static float relative_error(const olx_bc6h_block *block, uint32_t texel, olx_vec3 light) {
   const olx_vec3 off = olx_sub(olx_bc6h_texel(block, texel), light);
   return olx_length(off) * 0.57735f / olx_max3(light);
 }
 
-// One colour of half floats, of any brightness.
+// A block of one colour, of half floats with any brightness, comes back exactly.
 static void constant_light_is_exact(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
@@ -128,7 +130,7 @@ static void constant_light_is_exact(void **state) {
   }
 }
 
-// Brightness that changes by up to 20 % over the block, and colour by a little.
+// Light of which brightness varies by up to 20 % over the block, and colour a little, comes back to a hundredth.
 static void smooth_light_is_right_to_a_hundredth(void **state) {
   (void)state;
   double squares = 0.0;
@@ -152,8 +154,8 @@ static void smooth_light_is_right_to_a_hundredth(void **state) {
   assert_true(squares / (20000.0 * TEXELS) < 1e-5);
 }
 
-// A lit floor beside a dark step: 1:2 to 1:100 between them, each with a gradient of its own. Neither takes light of
-// the other.
+// A lit floor is beside a dark step, with ratios from 1:2 to 1:100 and a gradient on each. Neither takes light of the
+// other.
 static void darkness_beside_light_stays_dark(void **state) {
   (void)state;
   double squares = 0.0;
@@ -179,11 +181,11 @@ static void darkness_beside_light_stays_dark(void **state) {
   assert_true(squares / (20000.0 * TEXELS) < 2e-3);
 }
 
-// Direct light in full shadow is 0; what it may be instead is little of the other light there.
+// Direct light in full shadow is 0; its error there is small relative to the other light at the point.
 static void shadows_take_no_light(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
-    const float other = exp2f(-8.0f * random_unit(i, 1)); // of direct light where it is lit
+    const float other = exp2f(-8.0f * random_unit(i, 1)); // the other light, relative to direct light where it is lit
     const uint32_t lit = olx_hash2(i, 4) & ALL;
     olx_vec3 texels[TEXELS];
     float brightness[TEXELS];
@@ -221,7 +223,7 @@ static void odd_light_becomes_light(void **state) {
   assert_true(olx_bc6h_texel(&most, 5).x == 65504.0f);
 }
 
-// Texels that do not count change nothing; a block of none is black.
+// Texels that do not count have no influence; a block without any texel that counts is black.
 static void texels_that_do_not_count_have_no_say(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 5000; i++) {
@@ -241,13 +243,15 @@ static void texels_that_do_not_count_have_no_say(void **state) {
 
 // --- Materials
 
-// By hand: ends 31, 0, 0 and 0, 0, 31 of five bits; indices 0 to 3 are the ends, and a third and two of the way.
+// Decodes a block by hand: its ends are 31, 0, 0 and 0, 0, 31 of five bits; indices 0 to 3 are both ends, one third and
+// two thirds of the way.
 static void bc1_by_hand(void **state) {
   (void)state;
   const olx_bc1_block block = {{31u << 11 | 31u << 16, 0xE4u}};
   const uint32_t expected[4] = {0x0000FFu, 0xFF0000u, 0x5500AAu, 0xAA0055u};
   for (uint32_t k = 0; k < 4; k++) assert_int_equal(olx_bc1_texel(&block, k), expected[k]);
-  const olx_bc1_block three = {{31u | 31u << 27, 0xE4u}}; // the smaller number first: the mean, and black
+  // With the smaller number first, the others are the mean and black.
+  const olx_bc1_block three = {{31u | 31u << 27, 0xE4u}};
   const uint32_t others[4] = {0xFF0000u, 0x0000FFu, 0x800080u, 0};
   for (uint32_t k = 0; k < 4; k++) assert_int_equal(olx_bc1_texel(&three, k), others[k]);
 }
@@ -266,13 +270,14 @@ static void one_colour_is_kept_to_two_steps(void **state) {
   for (uint32_t i = 0; i < 20000; i++) {
     const uint32_t color = i < 256 ? i * 0x010101u : olx_hash2(i, 1) & 0xFFFFFFu;
     uint32_t texels[TEXELS];
-    for (uint32_t k = 0; k < TEXELS; k++) texels[k] = color | olx_hash2(i, k) << 24; // the high byte is not colour
+    // The high byte is no part of the colour.
+    for (uint32_t k = 0; k < TEXELS; k++) texels[k] = color | olx_hash2(i, k) << 24;
     const olx_bc1_block block = olx_bc1_encode(texels, ALL);
     for (uint32_t k = 0; k < TEXELS; k++) assert_true(most_off(olx_bc1_texel(&block, k), color) <= 2);
   }
 }
 
-// Two materials meet in a block: each keeps its colour to the rounding of 5 bits.
+// When two materials meet in a block, each keeps its colour to the rounding of 5 bits.
 static void two_colours_are_kept(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
@@ -284,10 +289,11 @@ static void two_colours_are_kept(void **state) {
   }
 }
 
-// By hand: between 7 and 0 every number there is; between 0 and 5 too, and 0 and 255 beside them.
+// Decodes blocks by hand: ends 7 and 0 give every number between them; ends 0 and 5 give those between them, and 0 and
+// 255.
 static void bc4_by_hand(void **state) {
   (void)state;
-  const uint64_t indices = 0xFAC688ull; // texel i has index i: 0 1 2 3 4 5 6 7, three bits each
+  const uint64_t indices = 0xFAC688ull; // texel i has index i: 0 1 2 3 4 5 6 7, in three bits each
   const uint64_t down = 7ull | indices << 16, up = 0ull | 5ull << 8 | indices << 16;
   const olx_bc4_block first = {{(uint32_t)down, (uint32_t)(down >> 32)}},
                       second = {{(uint32_t)up, (uint32_t)(up >> 32)}};
@@ -314,7 +320,7 @@ static void bytes_are_kept_to_half_a_step(void **state) {
     for (uint32_t k = 0; k < TEXELS; k++) {
       if (!(counted >> k & 1u)) continue;
       const double off = fabs((double)olx_bc4_texel(&block, k) - texels[k]);
-      if (i % 2 == 0) assert_true(off == 0.0); // two numbers are exact
+      if (i % 2 == 0) assert_true(off == 0.0); // blocks of only two numbers are exact
       found += off * off;
       plain += (0.5 * step + 0.5) * (0.5 * step + 0.5);
     }

@@ -1,4 +1,4 @@
-// Tests rays through analytic fields, whose answers are known.
+// Tests rays through analytic fields, for which the correct hits are known.
 #include "analytic_field.h"
 
 #include "core/sampling.h"
@@ -38,7 +38,7 @@ static bool inside_box(const analytic_scene *scene, olx_vec3 p) {
   return false;
 }
 
-// Whether a probe sees what a ray hits: the point, or the sky in the ray's direction.
+// Returns whether some probe sees what a ray hits: the point, or the sky in the ray's direction.
 static bool seen(const analytic_scene *scene, const olx_field *field, olx_vec3 o, olx_vec3 d, analytic_hit truth) {
   for (uint32_t i = 0; i < field->info.probes.count; i++) {
     const olx_vec3 probe = field->probe_positions[i];
@@ -49,8 +49,8 @@ static bool seen(const analytic_scene *scene, const olx_field *field, olx_vec3 o
   return false;
 }
 
-// Rays against the truth: of those whose hit some probe sees, the shares that are unknown, and off by more than two
-// footprints or 1 % of the way.
+// Results of rays against the truth: of rays whose hit some probe sees, the shares that are unknown, and that are off
+// by more than two footprints or 1 % of the way.
 typedef struct score {
   double unknown, wrong, steps;
 } score;
@@ -118,7 +118,7 @@ static void rays_along_axes_and_through_the_probe_end_where_they_should(void **s
       for (int32_t z = -1; z <= 1; z++) {
         if (!x && !y && !z) continue;
         const olx_vec3 d = olx_normalize(olx_v3((float)x, (float)y, (float)z));
-        for (int32_t start = -2; start <= 2; start++) { // from before, at and behind the probe's centre
+        for (int32_t start = -2; start <= 2; start++) { // starts before, at and behind the probe's centre
           const olx_vec3 o = olx_madd(single.origin, d, 0.4f * (float)start);
           const olx_trace_hit hit = olx_trace(field, &settings, o, d, INFINITY);
           assert_int_equal(hit.status, OLX_TRACE_HIT);

@@ -1,5 +1,5 @@
-// Tests two-level and hi-Z tracing against the referee, which visits every texel: they find the same texels, to the
-// last bit of t.
+// Tests two-level and hi-Z tracing against exhaustive tracing, which visits every texel: they find the same texels, and
+// the same t to the last bit.
 #include "analytic_field.h"
 
 #include "core/sampling.h"
@@ -31,12 +31,12 @@ static olx_vec3 random_direction(uint32_t i) {
   return olx_sample_sphere((olx_vec2){unit(i, 1), unit(i, 2)});
 }
 
-// Rays of every awkward kind, relative to the probe, in a field whose distances are about `scale`.
+// Returns rays of every difficult kind, relative to the probe, in a field whose distances are about `scale`.
 static olx_probe_ray random_ray(uint32_t i, float scale) {
   olx_vec3 d = random_direction(i), o = olx_scale(random_direction(i + 0x10000u), scale * unit(i, 3));
   switch (i % 8) {
   case 0: o = olx_scale(d, -2.0f * scale * unit(i, 4)); break;                       // through the probe's centre
-  case 1: o = olx_madd(olx_scale(d, -scale), o, 1e-5f); break;                       // just past it
+  case 1: o = olx_madd(olx_scale(d, -scale), o, 1e-5f); break;                       // just past the probe
   case 2: o = (olx_vec3){0.0f, o.y, o.z}, d = olx_normalize((olx_vec3){0.0f, d.y, d.z}); break; // in an axis plane
   case 3: d = (olx_vec3){0.0f, i & 8 ? 1.0f : -1.0f, 0.0f}; break;                   // along an axis
   case 4: d = olx_normalize(olx_cross(o, d)); break;                                 // nearest to the probe at its start
@@ -61,7 +61,7 @@ static void assert_same(const olx_field *field, uint32_t probe, const olx_probe_
            tracer, a.status, a.texel, (double)a.t, truth->status, truth->texel, (double)truth->t);
 }
 
-// Many rays at once: as each of them alone, steps and all.
+// Asserts that many rays traced at once have the same answers as each of them alone, including steps.
 static void assert_same_together(const olx_field *field, const olx_probe_job *jobs, uint32_t count) {
   olx_probe_answer *answers = calloc(count, sizeof *answers);
   olx_trace_probes(field, jobs, count, OLX_TRACER_HIZ, answers);
@@ -75,7 +75,7 @@ static void assert_same_together(const olx_field *field, const olx_probe_job *jo
   free(answers);
 }
 
-// How many rays had each status.
+// The number of rays of each status.
 typedef struct counts {
   uint32_t of[3];
 } counts;
@@ -110,7 +110,7 @@ static void in_rooms_of_every_size(void **state) {
   for (uint32_t s = 0; s < 3; s++) assert_true(c.of[s] > 4000);
 }
 
-// Distances that no room has.
+// Maps of distances that no real room has.
 typedef uint16_t (*distances)(uint32_t x, uint32_t y, uint32_t n);
 
 static uint16_t noise(uint32_t x, uint32_t y, uint32_t n) {
@@ -189,7 +189,7 @@ static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t ste
   }
 }
 
-// What olx_trace_rays says is what olx_trace says, however many rays it is asked, and whatever finds their probes.
+// Asserts that olx_trace_rays gives the same hits as olx_trace, for any number of rays and any selector.
 static void assert_rays_together(const olx_field *field, uint32_t count) {
   olx_vec3 *origins = calloc(count, sizeof *origins), *directions = calloc(count, sizeof *directions);
   olx_trace_hit *hits = calloc(count, sizeof *hits);
@@ -222,7 +222,8 @@ static void assert_rays_together(const olx_field *field, uint32_t count) {
   free(hits);
 }
 
-// Whether probes see places: asked together as one by one, also at their own centres and far outside.
+// Asserts that queries of visibility for many points give the same answers as single ones, including points at the
+// probes' centres and far outside.
 static void assert_sight_together(const olx_field *field) {
   enum { PLACES = 3003 };
   static uint32_t probes[PLACES];
@@ -235,7 +236,7 @@ static void assert_sight_together(const olx_field *field) {
     const olx_vec3 centre = field->probe_positions[probes[i]];
     directions[i] = random_direction(i);
     places[i] = olx_add(low, olx_mul(size, olx_v3(unit(i, 31), unit(i, 32), unit(i, 33))));
-    if (i % 3 == 0) { // on a stored surface
+    if (i % 3 == 0) { // a point near a stored surface
       const size_t texel = olx_texel_towards(field, directions[i]);
       const float distance = olx_texel_distance(field, probes[i], texel);
       if (distance < INFINITY) places[i] = olx_madd(centre, directions[i], distance * (0.99f + 0.02f * unit(i, 34)));
@@ -273,7 +274,7 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     settings.irradiance_grid.count[0] = settings.irradiance_grid.count[1] = settings.irradiance_grid.count[2] = 1;
     settings.irradiance_grid.spacing = olx_splat(0.0f);
     settings.fit = false;
-    settings.light = OLX_LIGHT_REFERENCE; // what rays find is of no concern
+    settings.light = OLX_LIGHT_REFERENCE; // light does not matter here, so the cheapest solver will do
     settings.reference_paths = 1;
     settings.uncompressed = !blocks;
     assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_OK);
@@ -284,7 +285,7 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     assert_same_hits(field, 20000, steps);
     print_message("%s, %s: %.1f, %.1f, %.1f distances read a ray\n", scenes[k], blocks ? "blocks" : "texels",
                   (double)steps[0] / 20000, (double)steps[1] / 20000, (double)steps[2] / 20000);
-    assert_true(steps[2] < steps[blocks ? 0 : 1]); // two levels read a block of 16 texels in one go as well
+    assert_true(steps[2] < steps[blocks ? 0 : 1]); // two-level tracing also reads a block of 16 texels at once
     assert_rays_together(field, 5000);
     assert_sight_together(field);
     olx_field_close(field);

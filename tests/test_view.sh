@@ -1,5 +1,5 @@
-# The viewer on Mesa's CPU device, with no window and under Xvfb: every mode and overlay, flying, resizing, screenshots.
-# What may go wrong, and lights that move, are full_view.sh.
+# The viewer on Mesa's CPU device, without a window and under Xvfb: every mode and overlay, flying, resizing,
+# screenshots. full_view.sh tests failures and moving lights.
 source "$(dirname "$0")/cli/viewer.sh"
 
 help="$OCTALUX_SOURCE_DIR/tests/cli/view_help.txt"
@@ -17,7 +17,7 @@ expect_usage "is not a place" view builtin:cornell --field a.olx --object 1,2
 expect_usage "has no numbers to print" view builtin:cornell --field a.olx --json
 expect_usage "does not end in .png" view builtin:cornell --field a.olx --screenshot a.jpg
 
-# With the validation layers, where they are installed.
+# Uses the validation layers where they are installed.
 validate=--validate code=0
 "$OCTALUX" "${view[@]}" --offscreen --screenshot one.png --validate >stdout.txt 2>stderr.txt || code=$?
 if grep -q "not installed" stderr.txt; then
@@ -31,12 +31,12 @@ check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0
 expect 0 render builtin:cornell-glossy --field cornell.olx --spp 1 --size 96x80 -o cpu.png
 check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png cpu.png
 
-# An exposure that follows the picture makes one bright that a twentieth of the light would leave dark.
+# Automatic exposure brightens a picture that a twentieth of the light would leave dark.
 expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot followed.png
 check 'mean(p[0]) > 1.2 * mean(p[1])' followed.png one.png
 
-# A field without probe light: its picture, and what its texels hold in a map; what else is shown of probe light is
-# refused, and the key skips it.
+# A field without probe light can be viewed, and so can a map of its texels; other views of probe light are refused, and
+# the key skips them.
 "$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 64 --bounces 1 --noise 0.3 >stdout.txt 2>stderr.txt
 plain=(view builtin:cornell-glossy --field plain.olx --size 96x80 --offscreen)
 expect 0 "${plain[@]}" --screenshot plain-one.png $validate
@@ -57,7 +57,7 @@ expect 0 "${plain[@]}" --script skip.txt
 expect 0 "${plain[@]}" --overlay answer --script told.txt
 check 'differing(p[0], p[1]) == 0' skipped.png told.png
 
-# All modes and overlays, one after the other; the layers; what moves.
+# The script shows all modes and overlays one after the other, the layers, and moving objects.
 cat >all.txt <<'SCRIPT'
 frames 3
 screenshot plain.png
@@ -165,7 +165,7 @@ for shot in denoised gathered; do
 done
 check 'mean(p[0]) < 0.5 * mean(p[1])' no-light.png plain.png
 check 'differing(p[0], p[1]) > 0.004' ball.png ball-left.png
-check 'differing(p[0], p[1]) > 0.001' ball-left.png chrome-left.png # another finish
+check 'differing(p[0], p[1]) > 0.001' ball-left.png chrome-left.png # the ball has another finish
 check 'differing(p[0], p[1]) > 0.004' chrome-left.png no-ball.png
 check 'mean(p[0]) > 1.2 * mean(p[1])' bright.png plain.png
 check 'p[0].width == 48 and p[0].height == 60 and not uniform(p[0])' small.png
@@ -199,6 +199,6 @@ check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 96' flown.png
 check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 200 and p[0].height == 150' larger.png
 check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
 [ -e after.png ] && fail "escape did not leave"
-# For the first picture, and for the first overlay.
+# Shaders are compiled for the first picture, and for the first overlay.
 [ "$(grep -c "^compiling shaders ...$" stderr.txt)" = 2 ] || fail "not told twice that shaders are compiled"
 finish

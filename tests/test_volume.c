@@ -1,5 +1,5 @@
-// Tests the irradiance volume: right light in free space, none through walls however thin, the same bytes at any number
-// of threads, and refusals of structures that lead nowhere.
+// Tests the irradiance volume: correct light in free space, no light through walls however thin, the same bytes at any
+// number of threads, and refusals of invalid structures.
 #include "baked_field.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -24,7 +24,7 @@ static const float ALBEDO = 0.5f;
 
 static olx_bake_settings small_settings(const olx_scene *scene) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
-  settings.radiance_size = 128; // smallest cells of an eighth of the scene
+  settings.radiance_size = 128; // smallest cells are an eighth of the scene
   settings.irradiance_size = 32;
   settings.samples = 1;
   settings.bounces = 1;
@@ -59,7 +59,7 @@ static bool is_within(olx_vec3 p, olx_vec3 low, olx_vec3 high) {
   return p.x > low.x && p.y > low.y && p.z > low.z && p.x < high.x && p.y < high.y && p.z < high.z;
 }
 
-// Places of a room have probes of that room alone, up to its walls; these, too, as surfaces.
+// Asserts that points of a room, up to its walls and on them as surfaces, have probes of that room alone.
 static void assert_served_from_within(const olx_field *field, olx_vec3 low, olx_vec3 high) {
   static const olx_vec3 inwards[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   for (uint32_t i = 0; i < PLACES; i++) {
@@ -83,14 +83,14 @@ static void assert_served_from_within(const olx_field *field, olx_vec3 low, olx_
   }
 }
 
-// Two probes, one on either side of x = 0.
+// Sets two probes, one on either side of x = 0.
 static void set_two_probes(olx_bake_settings *settings) {
   settings->grid = (olx_grid){.origin = {-1.0f, 0.1f, 0.2f}, .spacing = {2.2f, 0.0f, 0.0f}, .count = {2, 1, 1}};
   settings->irradiance_grid = settings->grid;
 }
 
-// In a room whose walls all send out light of 1 W/(sr m^2), surfaces get pi of it, and what they reflect with an albedo
-// a brings pi (a + a^2 + ...) to any place, whatever the normal: a term for each surface on the way.
+// In a room whose walls all emit 1 W/(sr m^2), surfaces receive pi of it, and their reflections with an albedo a add pi
+// (a + a^2 + ...) at any point, whatever the normal: a term for each surface of a path.
 static void a_glowing_room_follows_the_series(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -112,7 +112,7 @@ static void a_glowing_room_follows_the_series(void **state) {
       sum += (double)error;
       squares += (double)(error * error);
     }
-    // Of 256 rays each has a sample of the light on the wall that it meets, which is off by about a third.
+    // Each of 256 rays samples the light on the wall that it meets, with a deviation of about a third.
     const double mean = sum / PLACES, deviation = sqrt(squares / PLACES);
     if (fabs(mean) > 0.01 || deviation > 0.03) fail_msg("%u bounces: %g off, deviation %g", bounces, mean, deviation);
     olx_field_close(field);
@@ -120,7 +120,7 @@ static void a_glowing_room_follows_the_series(void **state) {
   olx_scene_free(scene);
 }
 
-// Both faces of the wall are off all planes of cells, and so are its ends.
+// The faces and ends of the wall are on no plane between cells.
 static void rooms_behind_a_thin_wall_have_probes_of_their_own(void **state) {
   (void)state;
   static const float thickness[] = {0.02f, 0.03f, 0.04f};
@@ -157,7 +157,7 @@ static void the_sides_of_a_sheet_have_probes_of_their_own(void **state) {
   olx_scene_free(scene);
 }
 
-// Irradiance probes of the same bake have several times the error.
+// Compared with irradiance probes of the same bake, which have several times the error.
 static void light_in_free_space_is_that_of_path_tracing(void **state) {
   (void)state;
   static const char *const names[] = {"builtin:cornell", "builtin:labyrinth"};
@@ -166,7 +166,7 @@ static void light_in_free_space_is_that_of_path_tracing(void **state) {
     assert_int_equal(olx_scene_load(names[i], &scene), OLX_OK);
     olx_bake_settings settings = small_settings(scene);
     settings.radiance_size = 256;
-    settings.probe_light = true; // to compare with
+    settings.probe_light = true; // irradiance probes to compare with
     olx_bake_stats stats;
     olx_field *field = baked_field(scene, &settings, &stats);
     assert_true(stats.volume_bytes <= 1300ull * stats.volume_probes);
@@ -196,7 +196,7 @@ static void bytes_do_not_depend_on_threads(void **state) {
   olx_scene_free(scene);
 }
 
-// Nothing reaches the other room, and no light of the first is taken for its own.
+// No light reaches the other room, and no light of the first room is taken for it.
 static void space_that_nothing_reaches_is_dark(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -214,8 +214,8 @@ static void space_that_nothing_reaches_is_dark(void **state) {
   olx_scene_free(scene);
 }
 
-// Whoever looks at a lit room from outside sees dark walls: texels hold nothing of them, and what does not know them
-// guesses nothing. A wall's two faces, and a sheet's.
+// Seen from outside, a lit room has dark walls: texels store no light there, and points without stored light get none.
+// The room is bounded by a sheet, or by a wall with two faces.
 static void a_room_does_not_glow_outside(void **state) {
   (void)state;
   static const olx_vec3 outwards[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -248,11 +248,11 @@ static void a_room_does_not_glow_outside(void **state) {
   }
 }
 
-// A field without a volume has irradiance probes.
+// A field without a volume uses irradiance probes.
 static void without_a_volume_irradiance_probes_answer(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
-  made_square(scene, 0.0f, grey(scene, 1.0f)); // flat: it holds no space
+  made_square(scene, 0.0f, grey(scene, 1.0f)); // a flat scene, which encloses no space
   made_finish(scene);
   olx_bake_settings settings = small_settings(scene);
   settings.radiance_size = 32;
@@ -276,7 +276,7 @@ static void without_a_volume_irradiance_probes_answer(void **state) {
 
 // ---- structures
 
-// Two cubes side by side: the first is divided into 64 parts, one of them by a plane; the second is one cell.
+// Two cubes side by side: the first is divided into 64 parts, one of which is split by a plane; the second is one cell.
 typedef struct made_volume {
   olx_volume_header header;
   olx_volume_split splits[1];
@@ -308,15 +308,15 @@ static void a_place_finds_its_cell(void **state) {
   olx_volume v;
   olx_volume_place place;
   assert_int_equal(olx_volume_open(&m, sizeof m, "made", &v), OLX_OK);
-  assert_true(olx_volume_find(&v, olx_v3(0.5f, 1, 1), &place)); // the second cube
+  assert_true(olx_volume_find(&v, olx_v3(0.5f, 1, 1), &place)); // in the second cube
   assert_ptr_equal(place.probes, v.cells[0].probes);
   assert_true(fabsf(place.weights[0] - 0.75f * 0.25f) < 1e-6f && fabsf(place.weights[7] - 0.25f * 0.25f) < 1e-6f);
-  assert_true(olx_volume_find(&v, olx_v3(-1.95f, 0.1f, 0.1f), &place)); // behind the plane
+  assert_true(olx_volume_find(&v, olx_v3(-1.95f, 0.1f, 0.1f), &place)); // behind the splitting plane
   assert_ptr_equal(place.probes, v.cells[0].probes);
-  assert_true(fabsf(place.weights[1] - 0.1f * 0.8f * 0.8f) < 1e-5f);    // of a cell of 0.5 m
-  assert_true(olx_volume_find(&v, olx_v3(-1.85f, 0.1f, 0.1f), &place)); // in front of it
+  assert_true(fabsf(place.weights[1] - 0.1f * 0.8f * 0.8f) < 1e-5f);    // weights in a cell of 0.5 m
+  assert_true(olx_volume_find(&v, olx_v3(-1.85f, 0.1f, 0.1f), &place)); // in front of the splitting plane
   assert_ptr_equal(place.probes, v.cells[1].probes);
-  assert_false(olx_volume_find(&v, olx_v3(-1.0f, 1, 1), &place)); // a part without a cell
+  assert_false(olx_volume_find(&v, olx_v3(-1.0f, 1, 1), &place)); // in a part without a cell
   static const olx_vec3 outside[] = {{-2.1f, 1, 1}, {2.0f, 1, 1}, {0, -0.1f, 0},
                                      {0, 0, 2.5f},  {NAN, 0, 0},  {0, INFINITY, 0}};
   for (uint32_t i = 0; i < sizeof outside / sizeof outside[0]; i++)
@@ -338,11 +338,11 @@ static void structures_that_lead_nowhere_are_refused(void **state) {
   assert_refused(&m, "cube 1: entry");
   m = made(), m.index[1] = 5u;
   assert_refused(&m, "cube 1: entry");
-  m = made(), m.blocks[3] = OLX_VOLUME_BLOCK; // itself
+  m = made(), m.blocks[3] = OLX_VOLUME_BLOCK; // an entry that refers to its own block
   assert_refused(&m, "block 0: entry");
   m = made(), m.blocks[3] = OLX_VOLUME_CELL | 5u << OLX_VOLUME_LEVEL_SHIFT;
   assert_refused(&m, "block 0: entry");
-  m = made(), m.splits[0].front = OLX_VOLUME_SPLIT; // itself
+  m = made(), m.splits[0].front = OLX_VOLUME_SPLIT; // a side that refers to its own split
   assert_refused(&m, "split 0: entry");
   m = made(), m.splits[0].behind = OLX_VOLUME_BLOCK;
   assert_refused(&m, "split 0: entry");

@@ -1,6 +1,5 @@
-// Tests the Voronoi selector (Wang 2018, section 4.1): the nearest probe is the nearest, neighbours are those of a
-// Delaunay triangulation wherever there is one and all others where there is none, and a map names those closest in
-// angle.
+// Tests the Voronoi selector (Wang 2018, section 4.1): the nearest probe is found, neighbours are those of a Delaunay
+// triangulation where one exists and otherwise all probes, and a map names those closest in angle.
 #include "bake/delaunay.h"
 #include "bake/voronoi_build.h"
 #include "core/hooks.h"
@@ -31,7 +30,8 @@ static bool are_neighbours(const olx_neighbours *n, uint32_t a, uint32_t b) {
   return false;
 }
 
-// Ascending, nobody its own neighbour, and everyone the neighbour of its neighbours.
+// Computes neighbours and checks that they are in ascending order, that no probe is its own neighbour, and that the
+// relation is symmetric.
 static olx_neighbours neighbours_of(const olx_vec3 *positions, uint32_t count) {
   olx_neighbours n;
   if (olx_neighbours_create(positions, count, &n) != OLX_OK) fail_msg("%s", olx_last_error());
@@ -52,7 +52,7 @@ static void assert_all_neighbours(const olx_vec3 *positions, uint32_t count) {
   olx_neighbours_free(&n);
 }
 
-// The centre of the sphere through four points; false when they lie in a plane.
+// Computes the centre of the sphere through four points; returns false when they are in a plane.
 static bool circumcentre(const olx_vec3 *p, const uint32_t corners[4], double centre[3], double *radius_squared) {
   double m[3][4];
   const olx_vec3 a = p[corners[0]];
@@ -86,7 +86,7 @@ static bool circumcentre(const olx_vec3 *p, const uint32_t corners[4], double ce
   return true;
 }
 
-// By the definition: two points are neighbours when a sphere through them and two others holds none inside.
+// By definition two points are neighbours when a sphere through them and two others has no point inside.
 static void test_neighbours_share_empty_spheres(void **state) {
   (void)state;
   enum { COUNT = 24 };
@@ -132,16 +132,16 @@ static void test_flat_probes_all_neighbour(void **state) {
   (void)state;
   olx_vec3 p[20];
   for (uint32_t i = 0; i < 20; i++) p[i] = olx_v3(1.0f + 0.1f * (float)i, 2.0f - 0.3f * (float)i, 0.7f);
-  assert_all_neighbours(p, 20); // on a line
+  assert_all_neighbours(p, 20); // points on a line
   for (uint32_t i = 0; i < 20; i++) p[i] = olx_v3((float)(i % 5), 2.5f, (float)(i / 5));
-  assert_all_neighbours(p, 20); // in a level plane
+  assert_all_neighbours(p, 20); // points in a level plane
   for (uint32_t i = 0; i < 20; i++) {
     const olx_vec3 q = random_point(3, i);
     p[i] = olx_v3(q.x, q.z, 100.0f + 0.3f * q.x - 0.7f * q.z);
   }
-  assert_all_neighbours(p, 20); // in a tilted one, whose points are off by rounding
+  assert_all_neighbours(p, 20); // points in a tilted plane, off by rounding
   for (uint32_t i = 0; i < 20; i++) p[i] = olx_v3(3.0f, 4.0f, 5.0f);
-  assert_all_neighbours(p, 20); // in one place
+  assert_all_neighbours(p, 20); // points at one position
 }
 
 static void test_probes_in_one_place_share_their_neighbours(void **state) {
@@ -171,7 +171,7 @@ static uint32_t make_grid(olx_vec3 *p, uint32_t side, olx_vec3 origin, float spa
   return side * side * side;
 }
 
-// Every triangulation of a grid holds its edges and stays inside its cells, whatever diagonals it picks.
+// Every triangulation of a grid contains the grid's edges and stays inside its cells, whatever diagonals it chooses.
 static void test_regular_grid(void **state) {
   (void)state;
   enum { SIDE = 6 };
@@ -214,7 +214,7 @@ static void test_too_many_probes_in_a_plane_are_refused(void **state) {
 
 // ---- maps
 
-// A field as far as selecting goes.
+// A field that has only the parts that selectors read.
 typedef struct made_field {
   olx_field field;
   uint8_t flags[MOST];
@@ -239,12 +239,12 @@ static void build(const olx_vec3 *positions, const uint8_t *flags, uint32_t coun
 
 static void release(made_field *f) { olx_release((void *)(uintptr_t)f->field.select_data[OLX_SELECT_VORONOI]); }
 
-// By brute force, for few probes and for many.
+// Compares the nearest probe with a search of all, for few probes and for many.
 static void check_nearest(const olx_vec3 *p, const uint8_t *flags, uint32_t count, uint32_t seed) {
   static made_field f;
   build(p, flags, count, 1, &f);
   for (uint32_t q = 0; q < 2000; q++) {
-    // Also on probes, halfway between two, and far away: where there are ties and where planes are near.
+    // Query points are also at probes, halfway between two, and far away, where there are ties and near planes.
     const uint32_t a = q * 7 % count, b = q * 13 % count;
     const olx_vec3 point = q % 4 == 0   ? p[a]
                            : q % 4 == 1 ? olx_mix3(p[a], p[b], 0.5f)
@@ -276,15 +276,15 @@ static void test_nearest_is_the_nearest(void **state) {
     }
     check_nearest(p, flags, counts[c], 6);
   }
-  const uint32_t count = make_grid(p, 7, olx_v3(-3, 0, 1), 0.5f); // everywhere ties
+  const uint32_t count = make_grid(p, 7, olx_v3(-3, 0, 1), 0.5f); // a grid, where ties are everywhere
   memset(flags, 0, sizeof flags);
   check_nearest(p, flags, count, 7);
   for (uint32_t i = 0; i < 100; i++) p[i] = olx_v3(1, 2, 3);
   check_nearest(p, flags, 100, 8);
 }
 
-// Seen from the middle of a grid, the neighbour straight along an axis is the next probe on it, at any distance of
-// others behind it in the same direction; and at most four are named, by rising angle.
+// From the middle of a grid, the neighbour straight along an axis is the next probe on it, not one of those behind it
+// in the same direction; a map names at most four neighbours, by rising angle.
 static void test_maps_point_at_neighbours(void **state) {
   (void)state;
   static olx_vec3 p[125];
@@ -316,7 +316,7 @@ static void test_maps_point_at_neighbours(void **state) {
   release(&f);
 }
 
-// On a line everyone neighbours everyone, and many stand in the same direction: the nearest comes first.
+// On a line all probes are neighbours, and many are in the same direction: the nearest comes first.
 static void test_of_one_direction_the_nearest_comes_first(void **state) {
   (void)state;
   olx_vec3 p[9];
@@ -342,13 +342,13 @@ static void test_degenerate_sets_have_maps(void **state) {
   olx_voronoi_neighbours(&f.field, 0, olx_v3(1, 0, 0), choices);
   assert_int_equal(choices[0], OLX_NO_PROBE);
   release(&f);
-  // A copy of the probe helps least.
+  // A copy of the probe at the same position comes last.
   build(p, NULL, 3, 1, &f);
   olx_voronoi_neighbours(&f.field, 0, olx_v3(0, 0, -1), choices);
   assert_int_equal(choices[0], 2);
   assert_int_equal(choices[1], 1);
   assert_int_equal(choices[2], OLX_NO_PROBE);
-  // No direction, and nonsense, still name neighbours alone.
+  // A zero direction, or one that is not finite, still gives only neighbours.
   const olx_vec3 nonsense[] = {{0, 0, 0}, {NAN, 1, 0}, {INFINITY, INFINITY, 0}, {-INFINITY, 0, 1e38f}, {1e-45f, 0, 0}};
   for (size_t i = 0; i < sizeof nonsense / sizeof nonsense[0]; i++) {
     olx_voronoi_neighbours(&f.field, 0, nonsense[i], choices);
@@ -385,7 +385,7 @@ static void test_bytes_do_not_depend_on_threads(void **state) {
   static olx_vec3 p[300];
   for (uint32_t i = 0; i < 300; i++) p[i] = random_point(10, i);
   static made_field one, other;
-  build(p, NULL, 300, 1, &one); // beyond 255 probes: two bytes a name
+  build(p, NULL, 300, 1, &one); // with more than 255 probes, an index takes two bytes
   for (uint32_t threads = 2; threads <= 5; threads += 3) {
     build(p, NULL, 300, threads, &other);
     assert_int_equal(one.field.select_bytes[OLX_SELECT_VORONOI], other.field.select_bytes[OLX_SELECT_VORONOI]);
@@ -435,7 +435,7 @@ static void test_spoilt_maps_are_refused(void **state) {
     tree[i] = was;
   }
   const uint8_t first = tree[0];
-  tree[0] = tree[9]; // both halves swapped at one place
+  tree[0] = tree[9]; // a point in the wrong half of the tree
   tree[9] = first;
   assert_int_equal(olx_voronoi_verify(field), OLX_ERROR_FORMAT);
   assert_non_null(strstr(olx_last_error(), "order"));
@@ -458,7 +458,7 @@ static void test_spoilt_maps_are_refused(void **state) {
     memcpy(codes + last_texel, bad[i], 4);
     assert_int_equal(olx_voronoi_verify(field), OLX_ERROR_FORMAT);
     assert_non_null(strstr(olx_last_error(), "probe 9, texel 255"));
-    // Whatever it holds, it names no probe that is not there.
+    // Whatever a map contains, the selector names no probe that does not exist.
     uint32_t choices[OLX_CHOICES];
     olx_voronoi_neighbours(field, 9, olx_texel_direction(15, 15, 16), choices);
     for (uint32_t k = 0; k < OLX_CHOICES; k++) assert_true(choices[k] < 10 || choices[k] == OLX_NO_PROBE);

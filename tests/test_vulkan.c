@@ -1,5 +1,4 @@
-// Tests what the recorded passes write and what they refuse, on whatever Vulkan device there is, under the validation
-// layers.
+// Tests what the recorded passes write and what they refuse, on any Vulkan device, under the validation layers.
 #include "core/bsdf.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
@@ -34,14 +33,14 @@ static int close_device(void **unused) {
   return host_close_device(&device);
 }
 
-// For the passes that run_frame records.
+// Makes images for the passes that run_frame records.
 static host_images make_images(uint32_t width, uint32_t height, VkFormat normal) {
   host_images h = host_images_make(&device, width, height, normal);
   h.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE;
   return h;
 }
 
-// Pictures of WIDTH x HEIGHT.
+// Makes a fixture with pictures of WIDTH x HEIGHT.
 static host_fixture make_fixture(uint32_t size, uint32_t irradiance_size) {
   host_fixture f = host_fixture_make(&device, size, irradiance_size);
   f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
@@ -49,7 +48,7 @@ static host_fixture make_fixture(uint32_t size, uint32_t irradiance_size) {
   return f;
 }
 
-// Small, with pipelines that cannot run, and no frame.
+// Makes a small fixture with pipelines that cannot run, and no frame.
 static host_fixture make_small_fixture(void) {
   host_fixture f = host_fixture_make(&device, 16, 8);
   f.images = make_images(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
@@ -100,7 +99,7 @@ static light expected_light(const olx_field *field, const olx_vulkan_settings *s
 
 static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
 
-// Relative mean squared errors of irradiance, glossy light and the composite against the CPU.
+// Computes the relative mean squared errors of irradiance, glossy light and the composite against the CPU.
 static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings,
                         double errors[OUTPUTS]) {
   double sums[OUTPUTS] = {0};
@@ -156,9 +155,9 @@ static void passes_give_the_light_of_the_cpu(void **unused) {
   host_fixture_free(&f);
 }
 
-// How far irradiance is off that of the CPU.
+// The error of irradiance against the CPU.
 typedef struct misses {
-  double relative_mse, share; // of pixels that are off by more than one part in a hundred
+  double relative_mse, share; // share of pixels that are off by more than one part in a hundred
 } misses;
 
 typedef olx_vec3 (*irradiance_function)(const olx_field *field, const olx_vulkan_settings *settings,
@@ -197,7 +196,7 @@ static olx_vec3 masked_irradiance(const olx_field *field, const olx_vulkan_setti
   return p->dynamic ? probe_irradiance(field, settings, p) : surface_irradiance(field, settings, p);
 }
 
-// Normals of the three kinds, and what they do to light, in 32 bits a channel and in 8.
+// Normals of all three kinds have their effect on light, in 32 bits a channel and in 8.
 static void images_tell_normals_and_what_is_dynamic(void **unused) {
   (void)unused;
   static const VkFormat formats[] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
@@ -224,7 +223,7 @@ static void images_tell_normals_and_what_is_dynamic(void **unused) {
   }
 }
 
-// A volume whose one row of cubes fills the half of the room towards x = 0.
+// A volume whose only row of cubes fills the half of the room towards x = 0.
 typedef struct half_volume {
   uint32_t words[16 + OLX_VOLUME_CORNERS + 6];
   uint16_t irradiance[OLX_VOLUME_CORNERS * OLX_VOLUME_HALVES];
@@ -247,8 +246,8 @@ static olx_vec3 masked_volume(const olx_field *field, const olx_vulkan_settings 
   return p->dynamic ? olx_volume_irradiance(field, p->position, p->normal) : surface_irradiance(field, settings, p);
 }
 
-// What moves takes the volume, and no light where that has no cell; in the other half of the room irradiance probes
-// answer for static surfaces whose light is not stored.
+// Dynamic objects take light from the volume, and none where it has no cell; in the other half of the room, static
+// surfaces without stored light take it from irradiance probes.
 static void dynamic_objects_take_the_irradiance_volume(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -266,7 +265,7 @@ static void dynamic_objects_take_the_irradiance_volume(void **unused) {
   olx_vulkan_settings settings = test_settings();
   const double masked = judge_irradiance(&f, &view, &settings, masked_volume).relative_mse,
                probes = judge_irradiance(&f, &view, &settings, masked_irradiance).relative_mse;
-  settings.sample.max_probes = 0; // nothing is stored
+  settings.sample.max_probes = 0; // no stored light
   const double fallen = judge_irradiance(&f, &view, &settings, masked_volume).relative_mse;
   print_message("relative MSE by the volume %.2e, without stored light %.2e; as if by irradiance probes %.2e\n", masked,
                 fallen, probes);
@@ -274,7 +273,7 @@ static void dynamic_objects_take_the_irradiance_volume(void **unused) {
   host_fixture_free(&f);
 }
 
-// The same field without probe light: what it lacks is one black texel on the device.
+// Returns the same field without probe light; on the device one black texel replaces the missing maps.
 static olx_field without_probe_light(const olx_field *field) {
   olx_field plain = *field;
   plain.radiance = plain.irradiance = plain.moments = NULL;
@@ -291,7 +290,7 @@ static void expect_probe_light_asked_for(olx_result result) {
   assert_non_null(strstr(olx_last_error(), "bake --probe-light"));
 }
 
-// With a volume and without, where there is no light but what is stored at surfaces.
+// Frames are lit with a volume and without, where surfaces have only their stored light.
 static void a_field_without_probe_light_lights_frames(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -322,7 +321,7 @@ static void a_field_without_probe_light_lights_frames(void **unused) {
   }
 }
 
-// Places where nothing is stored: no light without a volume.
+// Points without stored light have none without a volume.
 static void without_any_source_places_are_dark(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -332,7 +331,7 @@ static void without_any_source_places_are_dark(void **unused) {
   f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
   host_fixture_add_frame(&f);
   olx_vulkan_settings settings = test_settings();
-  settings.sample.max_probes = 0; // nothing is stored
+  settings.sample.max_probes = 0; // no stored light
   run_frame(&f.images, f.frame, &settings);
   for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
     float alpha;
@@ -341,8 +340,8 @@ static void without_any_source_places_are_dark(void **unused) {
   host_fixture_free(&f);
 }
 
-// The eye moves: at no place is irradiance other than on the CPU, where it hangs on places and normals alone, whether
-// the geometric normal is given or found from depth.
+// When the camera moves, irradiance at each point remains that of the CPU, where it depends on position and normals
+// alone, whether the geometric normal is given or computed from depth.
 static void irradiance_stays_as_the_eye_moves(void **unused) {
   (void)unused;
   host_fixture f = make_fixture(128, 16);
@@ -377,14 +376,14 @@ static void a_frame_can_be_resized_and_reads_other_formats(void **unused) {
   olx_vulkan_targets wrong = full.targets;
   wrong.depth.format = VK_FORMAT_R32_UINT;
   assert_int_equal(olx_vulkan_frame_resize(f.frame, &wrong), OLX_ERROR_ARGUMENT);
-  run_frame(&f.images, f.frame, &settings); // still the old ones
+  run_frame(&f.images, f.frame, &settings); // the frame still has the old images
   host_images_free(&f.images);
   f.images = full;
   if (olx_vulkan_frame_resize(f.frame, &full.targets) != OLX_OK) fail_msg("%s", olx_last_error());
   run_frame(&f.images, f.frame, &settings);
   double errors[OUTPUTS];
   judge_frame(&f.images, f.field, &settings, errors);
-  // A normal of eight bits is off by up to 1/255 along each axis.
+  // The bounds allow for normals of eight bits, which are off by up to 1/255 along each axis.
   print_message("relative MSE of irradiance %.2e, glossy %.2e, composite %.2e\n", errors[0], errors[1], errors[2]);
   for (uint32_t k = 0; k < OUTPUTS; k++) assert_true(errors[k] < 2e-3);
   host_fixture_free(&f);
@@ -394,7 +393,7 @@ static const uint32_t COUNT_READS[] = {
 #include "count_reads.spv.inc"
 };
 
-// Reads of the field's images by a pixel that shows a surface.
+// The number of reads of the field's images for a pixel that shows a surface.
 typedef struct reads {
   double filtered, fetched;
 } reads;
@@ -430,8 +429,9 @@ static void diffuse_light_takes_hardly_more_reads_than_it_must(void **unused) {
   assert_int_equal(device.CreateComputePipelines(device.host.device, VK_NULL_HANDLE, 1, &info, NULL, pipeline),
                    VK_SUCCESS);
   device.DestroyShaderModule(device.host.device, info.stage.module, NULL);
-  // Stored light takes four texels of a probe, each of distance, normal and light; 1.3 probes are read on average, the
-  // second only where its light may weigh enough. Irradiance probes take irradiance and moments of eight probes.
+  // Stored light reads four texels of a probe, each with distance, normal and light; 1.3 probes are read on average,
+  // since the second is read only where its light may have enough weight. Irradiance probes read irradiance and moments
+  // of eight probes.
   olx_vulkan_settings settings = test_settings();
   const reads stored = count_reads(&f, &settings);
   settings.irradiance_probes = true;
@@ -484,7 +484,7 @@ static void wrong_images_are_named(void **unused) {
   host_fixture_free(&f);
 }
 
-// Every pass that the mask names can be recorded, and no other.
+// Asserts that every pass that the mask names can be recorded, and no other.
 static void assert_passes(const olx_vulkan_frame *frame, uint32_t passes) {
   static const char *const names[] = {"IRRADIANCE", "DIFFUSE", "GLOSSY", "COMPOSITE"};
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
@@ -513,7 +513,7 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
   host_fixture_add_frame(&f);
   assert_int_equal(faults.pipelines, 1);
   assert_passes(f.frame, OLX_VULKAN_PASS_COMPOSITE);
-  targets->passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY; // of dim lobes, too
+  targets->passes = OLX_VULKAN_PASS_COMPOSITE | OLX_VULKAN_PASS_GLOSSY; // also for glossy light of dim lobes
   assert_int_equal(olx_vulkan_frame_resize(f.frame, targets), OLX_OK);
   assert_int_equal(faults.pipelines, 3);
   targets->passes = OLX_VULKAN_PASS_IRRADIANCE;
@@ -530,8 +530,8 @@ static void only_the_passes_that_are_named_are_made(void **unused) {
   host_fixture_free(&f);
 }
 
-// A driver compiles each tracer with each selector and light of hits by itself, when the frame is made and not when it
-// is recorded.
+// A driver compiles each tracer with each selector and each light of hits separately, when the frame is created and not
+// when it is recorded.
 static void each_tracer_and_selector_has_a_pipeline(void **unused) {
   (void)unused;
   host_fixture f = make_small_fixture();
@@ -594,7 +594,7 @@ static void pipelines_go_through_the_host_s_cache(void **unused) {
   destroy(d, cache, NULL);
 }
 
-// The message says which option is missing.
+// A missing classic map is refused with a message that names the missing option.
 static void classic_maps_that_are_not_there_are_named(void **unused) {
   (void)unused;
   host_fixture f = make_small_fixture();

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The package for browsers, on node: its reader against the program, its tiling, its decoder; what would be published.
+# The package for browsers, on node: compares its reader with octalux, and tests its tiling, its decoder and the
+# contents of the published package.
 set -euo pipefail
 source_dir=${OCTALUX_SOURCE_DIR:?} packages=$(dirname "$PWD")/web-packages/node_modules
 for tool in node npm clang wasm-ld; do
@@ -19,7 +20,7 @@ node --test test/ >"$work/tests" || { cat "$work/tests"; exit 1; }
 node node_modules/typescript/bin/tsc --project test/tsconfig.json
 grep -q '^# fail 0$' "$work/tests" && grep -q '^# skipped 0$' "$work/tests"
 
-# What would be published: the library and its types, and nothing of the sources it was made from.
+# The published package has the library and its types, and none of the sources they are made from.
 npm pack --silent --dry-run --ignore-scripts --json >"$work/pack.json"
 node -e '
   const [pack] = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")), names = pack.files.map(({ path }) => path);
@@ -29,7 +30,7 @@ node -e '
   if (pack.size > 300000) throw new Error(`${pack.size} bytes`);
 ' "$work/pack.json"
 
-# The lock file says what is taken, and leaves it to npm's settings where from.
+# The lock file names packages and versions, and leaves the host to npm's settings.
 if grep '"resolved"' "$source_dir/web/package-lock.json"; then
   echo "FAILED: the lock file names a host" >&2
   exit 1

@@ -1,5 +1,5 @@
-// Tests that text from files is shown in the library's own words and does nothing to a terminal: escaped messages, JSON
-// whose strings and members are what they seem, images of another kind, and counts that are right where memory ends.
+// Tests that text from files is shown in the library's own words and cannot control a terminal: escaped messages, JSON
+// whose strings and members are unambiguous, images of another kind, and correct counts where memory ends.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/json_value.h"
@@ -33,7 +33,7 @@ static void control_characters_are_escaped(void **state) {
   assert_printable("K\xc3\xb6ln \xe2\x80\x93 \xf0\x9f\x92\xa1", "K\xc3\xb6ln \xe2\x80\x93 \xf0\x9f\x92\xa1");
   assert_printable("\xc2\x9b"
                    "31m",
-                   "\\xc2\\x9b31m"); // U+009B begins a command as ESC [ does
+                   "\\xc2\\x9b31m"); // U+009B begins a command, as ESC [ does
   assert_printable("\x9b"
                    "31m\xe2\x80",
                    "\\x9b31m\\xe2\\x80");
@@ -86,7 +86,7 @@ static void json_refuses_nul_in_strings(void **state) {
   ASSERT_JSON_REFUSED("{\"model\":\n \"a.obj\\u0000.json\"}", "file.json: line 2: a NUL character inside a string");
   ASSERT_JSON_REFUSED("{\"mo\0del\": 1}", "line 1: a NUL character inside a string");
   ASSERT_JSON_REFUSED("{\"a\": \"\\\\\\u0000\"}", "a NUL character");
-  static const char escaped[] = "{\"a\": \"\\\\u0000 \\\" \\u00e9\"}\0\0"; // a backslash, and padding after the text
+  static const char escaped[] = "{\"a\": \"\\\\u0000 \\\" \\u00e9\"}\0\0"; // a backslash, and padding behind the text
   cJSON *root = NULL;
   assert_int_equal(olx_json_parse("file.json", escaped, sizeof escaped, &root), OLX_OK);
   assert_string_equal(root->child->valuestring, "\\u0000 \" \xc3\xa9");
@@ -104,7 +104,7 @@ static void json_refuses_twins(void **state) {
   cJSON_Delete(root);
 }
 
-// Through every reader of JSON.
+// Every reader of JSON refuses objects with two members of the same name.
 static void files_of_json_refuse_twins(void **state) {
   olx_scene *scene = NULL;
   olx_probe_set set;
@@ -141,12 +141,12 @@ static void release_memory(void *user, void *memory) {
   free(memory);
 }
 
-// Before, it said "out of memory for 0 irradiance probes".
+// The message states the true number of probes, also when the field has no irradiance probes.
 static void memory_ends_with_a_true_count(void **state) {
   const scene_folder *folder = *state;
   char path[512];
   snprintf(path, sizeof path, "%s/a.olx", folder->path);
-  refused_bytes = 2u << 20; // less than what eight probes see, more than anything before
+  refused_bytes = 2u << 20; // less than eight probes need, and more than any allocation before them
   olx_set_hooks(&(olx_hooks){.allocate = allocate_less, .release = release_memory});
   olx_scene *scene = NULL;
   assert_int_equal(olx_scene_load("builtin:cornell", &scene), OLX_OK);

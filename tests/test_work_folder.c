@@ -1,5 +1,5 @@
-// Work folders: results that come back as they were stored or not at all, folders that are refused, what is removed and
-// what never is, and which units parts make.
+// Tests work folders: results come back as they were stored or not at all, wrong folders are refused, only the folder's
+// own files are removed, and parts compute the right units.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "work/unit_store.h"
@@ -20,11 +20,11 @@
 
 enum { MOST_CALLS = 64 };
 
-// What the program asked of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename.
+// The program's calls of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename.
 static struct {
   char calls[MOST_CALLS];
   uint32_t count;
-  bool full; // a disk on which nothing more can be written
+  bool full; // whether the disk refuses further writes
 } disk;
 
 static void note(char call) {
@@ -75,7 +75,7 @@ static int remove_place(void **state) {
   return result;
 }
 
-// The path of a file in the work folder, or beside it for a path that begins with "../".
+// Returns the path of a file in the work folder, or beside it for a name that begins with "../".
 static const char *file_in(place *p, const char *name) {
   snprintf(p->file, sizeof p->file, "%s/%s", p->folder, name);
   return p->file;
@@ -153,7 +153,7 @@ static void results_outlive_the_program_that_made_them(void **state) {
   olx_work_folder_close(folder);
 }
 
-// Content is durable before it has its name, and its name before success is reported.
+// Contents are durable before a file gets its name, and names before success is reported.
 static void a_power_failure_leaves_whole_results_or_none(void **state) {
   olx_work_folder *folder = opened(*state);
   memset(&disk, 0, sizeof disk);
@@ -365,7 +365,7 @@ static void who_works_alone_keeps_others_out(void **state) {
 
 enum { UNITS = 23 };
 
-// A stage whose unit n is the number 100 n.
+// A test stage whose unit n is the number 100 n.
 typedef struct numbers {
   uint32_t made[UNITS], value[UNITS], told;
 } numbers;

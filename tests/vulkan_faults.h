@@ -1,6 +1,5 @@
-// Functions that take the place of the device's own in a context: of all calls that make something one fails, when a
-// test wants it to, and pipelines are empty. Those that are never run do not need their shaders, which take long to
-// compile.
+// Replacements for functions of the device in a context: one call that creates something fails when a test wants it to,
+// and pipelines are empty. Pipelines that are never run do not need their shaders, which take long to compile.
 #ifndef OLX_TESTS_VULKAN_FAULTS_H
 #define OLX_TESTS_VULKAN_FAULTS_H
 
@@ -9,15 +8,15 @@
 
 typedef struct vulkan_faults {
   const gpu_device *device;
-  int calls_left;        // the call that finds 0 here fails; none does while it is negative
-  VkResult failure;      // what it gives
-  uint32_t pipelines;    // made so far
-  VkPipelineCache cache; // that the last of them went through
+  int calls_left;        // calls until the one that fails, which finds 0 here; negative: no call fails
+  VkResult failure;      // the result of the failing call
+  uint32_t pipelines;    // number of pipelines created so far
+  VkPipelineCache cache; // the cache that the last pipeline was created with
 } vulkan_faults;
 
 extern vulkan_faults faults;
 
-// Empty pipelines alone; and all of it. No call fails until a test says which.
+// Install empty pipelines alone, or all replacements. No call fails until a test sets `calls_left`.
 void faults_empty_pipelines(const gpu_device *device, olx_vulkan_functions *functions);
 void faults_install(const gpu_device *device, olx_vulkan_functions *functions);
 

@@ -1,5 +1,5 @@
-// Plays the host of the recorded passes in tests: opens a device, uploads a room's surfaces as images, and reads back
-// what the passes wrote.
+// Acts as the host of the recorded passes in tests: opens a device, uploads a room's surfaces as images, and reads back
+// the passes' outputs.
 #include "vulkan_host.h"
 
 #include "core/pack.h"
@@ -52,14 +52,14 @@ host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
                   .metallic = h & 256u ? 0.0f : 0.75f,
                   .weight = h & 512u ? 1.0f : 0.5f};
   p.depth = p.empty ? 0.0f : HOST_NEAR / (-d.z * hit.t);
-  // As the passes find it again from the stored depth.
+  // Distance along the view comes from the stored depth, as in the passes.
   p.metres = HOST_NEAR / (p.empty ? 1.0f : p.depth);
   p.position = olx_madd(v->eye, along, p.metres);
   return p;
 }
 
 olx_vulkan_view host_vulkan_view(const host_view *v) {
-  // clip (x, y, depth, 1) to (x + sx, -(y + sy), -1 / spread) spread near / depth + eye
+  // The matrix takes clip (x, y, depth, 1) to (x + sx, -(y + sy), -1 / spread) spread near / depth + eye.
   const float sx = 2.0f * v->shift.x / (float)v->width, sy = 2.0f * v->shift.y / (float)v->height;
   const float side = HOST_SPREAD * HOST_NEAR;
   return (olx_vulkan_view){.clip_to_world = {side, 0, 0, 0, 0, -side, 0, 0, v->eye.x, v->eye.y, v->eye.z, 1, sx * side,

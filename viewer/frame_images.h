@@ -38,7 +38,7 @@ void frame_images_destroy(gpu_device *device, frame_images *images);
 
 VkFormat frame_image_format(frame_image image);
 
-// The targets that olx_vulkan_frame_create takes.
+// Returns the targets that olx_vulkan_frame_create takes.
 olx_vulkan_targets frame_images_targets(const frame_images *images);
 
 #endif

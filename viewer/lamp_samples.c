@@ -31,7 +31,7 @@ lamp_settings lamp_settings_default(void) {
   return (lamp_settings){.map_size = 512, .sun_tiles = 4, .surface_samples = 8, .sky_samples = 12};
 }
 
-// Point i of a low-discrepancy sequence in the unit square (the additive recurrence of the plastic number).
+// Returns point i of a low-discrepancy sequence in the unit square (the additive recurrence of the plastic number).
 static olx_vec2 even_pair(uint32_t i) {
   const float x = 0.5f + 0.7548776662f * (float)i, y = 0.5f + 0.5698402910f * (float)i;
   return (olx_vec2){x - floorf(x), y - floorf(y)};
@@ -39,7 +39,8 @@ static olx_vec2 even_pair(uint32_t i) {
 
 // ---- Views
 
-// A view of the half space around `forward`: rows of x and y are in units of clip space per metre (at distance 1).
+// Returns a view of the half space around `forward`: rows of x and y are in units of clip space per metre (at distance
+// 1).
 static lamp_view make_view(olx_vec3 x, olx_vec3 y, olx_vec3 forward, olx_vec3 eye, float near) {
   const float m[16] = {x.x, y.x, 0.0f, forward.x, x.y,          y.y,          0.0f, forward.y,
                        x.z, y.z, 0.0f, forward.z, -dot(x, eye), -dot(y, eye), near, -dot(forward, eye)};
@@ -78,7 +79,7 @@ typedef struct extent {
   float low[3], high[3];
 } extent;
 
-// The extent of the scene's box along three directions.
+// Returns the extent of the scene's box along three directions.
 static extent box_extent(const olx_scene_content *content, const olx_vec3 axes[3]) {
   extent e = {.low = {0}};
   for (uint32_t corner = 0; corner < 8; corner++) {
@@ -99,7 +100,7 @@ static void add_parallel(const olx_scene_content *content, uint32_t map_size, ol
   const olx_vec3 right = normalize(cross(direction, any_up(direction))), down = cross(direction, right);
   const olx_vec3 axes[3] = {right, down, direction};
   const extent e = box_extent(content, axes);
-  // A margin of one and a half texels around the box, and as much overlap between tiles, for filtering.
+  // Leaves a margin of one and a half texels around the box, and as much overlap between tiles, for filtering.
   const float width = fmaxf(e.high[0] - e.low[0], e.high[1] - e.low[1]) / (float)tiles;
   const float half_width = 0.5f * width * (1.0f + 4.0f / (float)map_size), depth = e.high[2] - e.low[2];
   const float center_x = 0.5f * (e.low[0] + e.high[0]), center_y = 0.5f * (e.low[1] + e.high[1]);
@@ -178,7 +179,7 @@ static uint32_t texel_index(float coordinate, uint32_t size) {
   return i < size ? i : size - 1;
 }
 
-// Mean radiance of a triangle, over sixteen texels when it is textured.
+// Returns the mean radiance of a triangle, over sixteen texels when it is textured.
 static olx_vec3 mean_emission(const olx_scene_content *content, uint32_t triangle) {
   const olx_material *m = &content->materials[content->material_index[triangle]];
   if (m->emission_texture == OLX_NO_TEXTURE || !(luminance(m->emission) > 0.0f)) return m->emission;
@@ -211,7 +212,7 @@ static void add_surface(const olx_scene_content *content, const lamp_settings *s
   const olx_vec3 normal = normalize(cross(e1, e2));
   const olx_vec2 w = random.x + random.y > 1.0f ? (olx_vec2){1.0f - random.x, 1.0f - random.y} : random;
   const bool both = content->materials[content->material_index[triangle]].emits_both_sides;
-  // Slightly in front of the surface, so that its own plane casts no shadow.
+  // The point is slightly in front of the surface, so that its own plane casts no shadow.
   const olx_vec3 position = add(add(a, add(scale(e1, w.x), scale(e2, w.y))), scale(normal, both ? 0.0f : near));
   lamp *l = &list->lamps[list->lamp_count++];
   *l = (lamp){
@@ -274,7 +275,7 @@ static void add_constant_sky(const olx_scene_content *content, const lamp_settin
   }
 }
 
-// Solid angle of a texel of a latitude-longitude image.
+// Returns the solid angle of a texel of a latitude-longitude image.
 static float texel_solid_angle(const olx_environment *e, uint32_t row) {
   const float half_step = 0.5f * PI / (float)e->height;
   return 4.0f * PI / (float)e->width * sinf(half_step * (2.0f * (float)row + 1.0f)) * sinf(half_step);

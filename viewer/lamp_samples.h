@@ -36,7 +36,7 @@ typedef struct lamp {
   float cosine_inner, cosine_outer;
   uint32_t
       tiles; // distant: tiles x tiles views, by rows; else 1. Points and surfaces have six views: +x -x +y -y +z -z
-  uint32_t both_sides; // for surfaces: the other side emits as well
+  uint32_t both_sides; // surfaces only: the other side emits as well
 } lamp;
 
 typedef struct lamp_view {

@@ -14,7 +14,8 @@ static olx_vec3 cross(olx_vec3 a, olx_vec3 b) {
 
 static olx_vec3 normalize(olx_vec3 v) { return scale(v, 1.0f / sqrtf(dot(v, v))); }
 
-// The axis farthest from the direction, so that a camera that looks along its up vector still has a right vector.
+// Returns the axis farthest from the direction, so that a camera that looks along its up vector still has a right
+// vector.
 static olx_vec3 any_up(olx_vec3 forward) {
   return fabsf(forward.y) < 0.7f ? (olx_vec3){0.0f, 1.0f, 0.0f} : (olx_vec3){0.0f, 0.0f, 1.0f};
 }

@@ -13,7 +13,7 @@ bool scene_draw_layout(gpu_device *d, VkDescriptorSetLayout set_layout, VkPipeli
   return gpu_layout_create(d, "a pipeline layout", &set_layout, 1, STAGES, sizeof(draw_constants), layout);
 }
 
-// Whether a batch's box lies wholly outside one of the planes of a view: left, right, top, bottom, behind.
+// Returns whether a batch's box lies wholly outside one of the planes of a view: left, right, top, bottom, behind.
 static bool outside(const scene_batch *batch, const float to_world[12], const float m[16]) {
   uint32_t everywhere = 0x1Fu;
   for (uint32_t corner = 0; corner < 8; corner++) {

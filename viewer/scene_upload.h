@@ -30,7 +30,7 @@ typedef struct gpu_scene {
   scene_batch *batches;
   uint32_t batch_count;
   uint64_t triangle_count;
-  uint64_t bytes; // of device memory
+  uint64_t bytes; // size in device memory
 } gpu_scene;
 
 // Copies everything; `content` may be freed afterwards.

@@ -27,8 +27,8 @@ void view_input_push(view_input *input, view_event event) {
 
 static uint32_t next_of(uint32_t value, uint32_t count, bool back) { return (value + (back ? count - 1 : 1)) % count; }
 
-// The next selector that the field contains and the device supports; the search over all probes and the best selector
-// follow.
+// Returns the next selector that the field contains and the device supports; the search over all probes and the best
+// selector follow.
 static uint32_t next_select(const view_facts *facts, uint32_t select, bool back) {
   for (;;) {
     select = next_of(select, OLX_SELECT_BEST + 1, back);
@@ -49,13 +49,13 @@ static void choose_camera(const view_facts *facts, uint32_t index, view_state *s
   *camera = view_camera_of(&facts->cameras[index]);
 }
 
-// The next map to show, from the one of the probe that resolves the ray through those of all probes.
+// Returns the next map to show, from the one of the probe that resolves the ray through those of all probes.
 static uint32_t next_probe(const view_facts *facts, uint32_t probe, bool back) {
   const uint32_t count = facts->field.probes.count;
   return next_of(probe == VIEW_ANSWERING ? count : probe, count + 1, back);
 }
 
-// The next light that the arrow keys move; after the last one none.
+// Returns the next light that the arrow keys move, or none after the last one.
 static uint32_t next_light(const view_state *s, bool back) {
   const uint32_t count = s->lights.count, next = next_of(s->light == VIEW_NO_LIGHT ? count : s->light, count + 1, back);
   return next == count ? VIEW_NO_LIGHT : next;

@@ -21,7 +21,7 @@ enum {
   VIEW_KEYS
 };
 
-// The code of a key's name ("W", "TAB", "PAGE_UP"); 0 for unknown names.
+// Returns the code of a key's name ("W", "TAB", "PAGE_UP"); 0 for unknown names.
 int view_key_named(const char *name);
 
 typedef enum view_event_kind {

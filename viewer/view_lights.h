@@ -5,7 +5,7 @@
 #include "lamp_samples.h"
 #include "view_state.h"
 
-// The lights as in the scene.
+// Returns the lights as in the scene.
 view_lights view_lights_of(const olx_scene_content *content);
 bool view_lights_same(const view_lights *a, const view_lights *b);
 
@@ -16,8 +16,8 @@ void view_lights_place(view_lights *lights, uint32_t light, olx_vec3 to);
 // yaw.
 void view_lights_move(view_lights *lights, uint32_t light, float right, float up, float away, float yaw);
 
-// The lamps of a scene whose lights have changed: as many of each kind as before, with as many views. Returns false
-// when memory runs out.
+// Makes the lamps of a scene whose lights have changed: as many of each kind as before, with as many views. Returns
+// false when memory runs out.
 bool view_lights_lamps(const olx_scene_content *content, const view_lights *lights, const lamp_settings *settings,
                        lamp_list *list);
 // Applies the changes to the lights of olx_scene_relight_lights, in which the scene's lights without area come first.

@@ -32,7 +32,7 @@ typedef struct viewer {
   view_camera camera;
   view_timings timings;
   view_pick pick;
-  uint32_t size[2]; // of the image when there is no window
+  uint32_t size[2]; // size of the image when there is no window
   uint32_t frame;
   uint32_t screenshots; // number taken with the key
 } viewer;
@@ -59,7 +59,7 @@ static bool load_cameras(viewer *v) {
   return true;
 }
 
-// A radius of balls that leaves most of the space between probes free.
+// Returns a radius of balls that leaves most of the space between probes free.
 static float fit_ball(const olx_field_info *field, float diagonal) {
   if (!field->probes.has_grid) return 0.012f * diagonal;
   const float spacing[3] = {field->probes.grid.spacing.x, field->probes.grid.spacing.y, field->probes.grid.spacing.z};

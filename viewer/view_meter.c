@@ -51,7 +51,7 @@ void view_meter_record(const gpu_device *d, const view_meter *meter, VkCommandBu
                      VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
   const uint32_t nothing = 0;
-  gpu_compute_record(d, &meter->compute, &meter->set.set, 1, &nothing, sizeof nothing, 8, 8, commands); // one group
+  gpu_compute_record(d, &meter->compute, &meter->set.set, 1, &nothing, sizeof nothing, 8, 8, commands); // one workgroup
   gpu_memory_barrier(d, commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                      VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
 }

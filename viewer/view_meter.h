@@ -18,8 +18,8 @@ void view_meter_attach(gpu_device *device, view_meter *meter, const frame_images
 // Records the measurement. Waits for the image; the host can read the result when the commands have run.
 void view_meter_record(const gpu_device *device, const view_meter *meter, VkCommandBuffer commands);
 
-// The exposure after `seconds` of adaptation to the image that was metered last; INFINITY: full adaptation. Unchanged
-// where the image is black.
+// Returns the exposure after `seconds` of adaptation to the image that was metered last; INFINITY: full adaptation.
+// Unchanged where the image is black.
 float view_meter_follow(const view_meter *meter, float exposure, float seconds);
 
 #endif

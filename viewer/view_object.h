@@ -9,7 +9,7 @@
 // Creates the ball, of radius 1 around the origin.
 bool view_object_create(gpu_device *device, float roughness, float metallic, gpu_scene *object);
 
-// The object, placed by the state.
+// Returns the object, placed by the state.
 draw_item view_object_place(const gpu_scene *object, const view_state *state);
 
 #endif

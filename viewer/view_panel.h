@@ -24,7 +24,7 @@ void view_panel_destroy(view_panel *panel);
 bool view_panel_upload(view_panel *panel, VkCommandBuffer commands);
 void view_panel_uploaded(view_panel *panel);
 
-// Whether the panel currently captures the mouse or the keyboard.
+// Reports whether the panel currently captures the mouse or the keyboard.
 void view_panel_takes(const view_panel *panel, bool *mouse, bool *keys);
 
 // Lays out the panel of a frame; the state and the camera may change.

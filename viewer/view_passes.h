@@ -30,7 +30,7 @@ typedef struct view_passes {
 // passes.
 bool view_passes_create(gpu_device *device, const olx_vulkan_field *field, VkRenderPass screen, view_passes *passes);
 void view_passes_destroy(gpu_device *device, view_passes *passes);
-// Whether the pipelines for a state exist; view_passes_prepare creates missing ones.
+// Returns whether the pipelines for a state exist; view_passes_prepare creates missing ones.
 bool view_passes_are_ready(const view_passes *passes, const view_state *state);
 bool view_passes_prepare(gpu_device *device, view_passes *passes, const view_state *state);
 void view_passes_attach(gpu_device *device, view_passes *passes, const frame_images *images);
@@ -41,7 +41,7 @@ typedef struct view_frame {
   const olx_field_info *field;
   const raster_view *view;
   const frame_images *images;
-  uint32_t width, height; // of the window
+  uint32_t width, height; // size of the window
   bool relit;             // a relighter changes lights
 } view_frame;
 

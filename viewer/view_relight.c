@@ -15,7 +15,7 @@ struct view_relight {
   olx_light scene_lights[MOST_LIGHTS], lights[MOST_LIGHTS];
   uint32_t light_count;
   bool lights_changed;
-  olx_relight_stats stats; // of the last frame
+  olx_relight_stats stats; // statistics of the last frame
   olx_result result;
   char message[256]; // message of a failed frame, because messages are local to their thread
   olx_vec3 eye;

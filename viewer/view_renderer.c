@@ -12,7 +12,7 @@ static bool upload_field(view_renderer *r, const olx_field *field) {
   return gpu_check_library(r->device, olx_vulkan_field_create(&r->device->host, field, &r->field));
 }
 
-// The passes of Octalux that a state needs; each is created on first use.
+// Returns the passes of Octalux that a state needs; each is created on first use.
 static uint32_t wanted_passes(const view_state *s) {
   uint32_t passes = OLX_VULKAN_PASS_COMPOSITE;
   if (s->mode == VIEW_PROBES) return passes;
@@ -80,7 +80,7 @@ void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uin
   for (int i = 0; i < 2; i++) lit_size[i] = (uint32_t)fmaxf(1.0f, roundf((float)size[i] * state->scale));
 }
 
-// Whether the frame has the pipelines that a state needs.
+// Returns whether the frame has the pipelines that a state needs.
 static bool has_pipelines(const view_renderer *r, const view_state *s) {
   return r->lit && !(wanted_passes(s) & ~r->lit_passes) && r->lit_tracers >> s->tracer & 1u &&
          r->lit_selects >> s->select & 1u && r->lit_hits >> s->hits & 1u;
@@ -162,14 +162,14 @@ static bool record_relight(view_renderer *r, olx_vec3 eye, VkCommandBuffer comma
   return true;
 }
 
-// Whether the history of earlier frames is valid for the light of this frame.
+// Returns whether the history of earlier frames is valid for the light of this frame.
 static bool history_holds(const view_state *a, const view_state *b) {
   return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select && a->hits == b->hits &&
          a->visibility == b->visibility && a->keep_buried == b->keep_buried && a->emitters == b->emitters &&
          a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
 }
 
-// Whether anything has moved; gathered frames accumulate until then.
+// Returns whether anything has moved; gathered frames accumulate until then.
 static bool has_moved(const view_renderer *r, const view_state *s, const olx_vulkan_view *view) {
   const view_state *before = &r->history_of;
   return !same_view(&r->previous, view) || s->object != before->object ||

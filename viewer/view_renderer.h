@@ -19,7 +19,7 @@ typedef struct view_renderer {
   olx_vulkan_field *field;
   olx_vulkan_frame *lit;                       // the host's side of Octalux's passes; NULL before the first image
   uint32_t lit_passes;                         // OLX_VULKAN_PASS_* of `lit`
-  uint32_t lit_tracers, lit_selects, lit_hits; // all that were chosen so far, as in olx_vulkan_targets
+  uint32_t lit_tracers, lit_selects, lit_hits; // all choices so far, as in olx_vulkan_targets
   rasteriser raster;
   gpu_scene object;
   view_screen screen;
@@ -33,7 +33,7 @@ typedef struct view_renderer {
   view_lights lights;
   lamp_list *lamps;
   view_relight *relight; // NULL: indirect light stays as baked
-  bool light_moves;      // in this image
+  bool light_moves;      // whether a light moves in this image
   // The state that the denoiser's history is valid for.
   uint32_t history; // length in frames
   view_state history_of;
@@ -52,7 +52,7 @@ bool view_renderer_create(gpu_device *device, const olx_scene *scene, const olx_
 bool view_renderer_relight(view_renderer *renderer, const olx_scene *scene, const olx_field *field, bool in_step);
 void view_renderer_destroy(view_renderer *renderer);
 
-// Number of pixels that are lit for an image of a size.
+// Computes the number of pixels that are lit for an image of a size.
 void view_renderer_lit_size(const view_state *state, const uint32_t size[2], uint32_t lit_size[2]);
 
 // The destination of a frame.
@@ -63,7 +63,7 @@ typedef struct view_output {
   const char *screenshot; // NULL: none
 } view_output;
 
-// Whether all shaders of a state are compiled; otherwise view_renderer_draw compiles them first, which may take
+// Returns whether all shaders of a state are compiled; otherwise view_renderer_draw compiles them first, which may take
 // seconds.
 bool view_renderer_is_ready(const view_renderer *renderer, const view_state *state);
 

@@ -8,11 +8,11 @@
 typedef struct view_screen {
   VkRenderPass render_pass;
   gpu_image picture; // R8G8B8A8_UNORM that holds sRGB
-  gpu_image depth;   // of the balls
+  gpu_image depth;   // depth image for the balls
   VkFramebuffer framebuffer;
 } view_screen;
 
-bool view_screen_create(gpu_device *device, view_screen *screen); // without an image
+bool view_screen_create(gpu_device *device, view_screen *screen); // creates the screen without an image
 bool view_screen_resize(gpu_device *device, uint32_t width, uint32_t height, view_screen *screen);
 void view_screen_destroy(gpu_device *device, view_screen *screen);
 

@@ -1,12 +1,12 @@
-// A script plays what hands would do, frame by frame: for tests and for films. Lines of words; '#' begins a comment.
+// A script replaces a user's input, frame by frame: for tests and films. Lines of words; '#' begins a comment.
 //
 //   press KEY          W, 1, TAB, ...          look X Y     drag the mouse by so many pixels
 //   hold KEY N         for N frames            pick X Y     click on a pixel
 //   frames N           let N frames pass       wheel N      faster or slower
 //   resize WxH         0x0 is a minimised window
-//   screenshot FILE    of the frame that follows
-//   light N X Y Z      light number N of the scene goes there; a sun shines that way
-//   dim N FACTOR       it shines with so much of the strength that the scene gives it
+//   screenshot FILE    of the next frame
+//   light N X Y Z      moves light number N of the scene there; a sun shines in that direction
+//   dim N FACTOR       sets light number N to FACTOR times its strength in the scene
 //   quit
 #ifndef OCTALUX_VIEW_SCRIPT_H
 #define OCTALUX_VIEW_SCRIPT_H

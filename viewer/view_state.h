@@ -37,7 +37,7 @@ typedef enum view_overlay {
   VIEW_MAP,              // the octahedral map of a probe, and the image of the picked pixel's ray in it (Figure 4)
   VIEW_OVERLAYS
 } view_overlay;
-// Whether a field has the data that an overlay shows.
+// Returns whether a field has the data that an overlay shows.
 static inline bool view_has_overlay(const olx_field_info *field, uint32_t overlay) {
   const bool of_probe_light = overlay == VIEW_PROBE_IRRADIANCE || overlay == VIEW_WEIGHTS;
   return !of_probe_light || field->irradiance.probe_count > 0;
@@ -48,10 +48,10 @@ static inline bool view_has_overlay(const olx_field_info *field, uint32_t overla
 #define VIEW_HITS_WORDS "shaded|stored"
 #define VIEW_SELECT_WORDS "cage|voronoi|octree|bricks|exhaustive|best"
 
-// The word at an index of a list like those above, formatted for display.
+// Formats the word at an index of a list like those above for display.
 void view_word(const char *words, uint32_t index, char *word, size_t size);
 
-// Whether rays find the emitters in a mode.
+// Returns whether rays find the emitters in a mode.
 static inline bool view_meets_emitters(uint32_t mode, bool emitters) {
   return emitters && (mode == VIEW_DENOISED || mode == VIEW_GATHER);
 }
@@ -90,7 +90,7 @@ typedef struct view_state {
   float exposure;
   bool auto_exposure; // adapts the exposure to the image
   float scale;        // lit pixels per displayed pixel, along a side; 0.125 to 1
-  float probe_radius; // of the balls, metres
+  float probe_radius; // radius of the balls in metres
   uint32_t probe;     // probe whose map is shown
   bool picked;
   float pick[2]; // in the image, 0..1 from its upper left corner
@@ -99,7 +99,7 @@ typedef struct view_state {
   float object_radius, object_roughness, object_metallic;
   view_lights lights;
   uint32_t light;  // light that the arrow keys move
-  float speed;     // of the camera, metres per second
+  float speed;     // speed of the camera in metres per second
   uint32_t camera; // the scene's camera that was chosen last
   bool panel;
   bool take_screenshot, quit;
@@ -113,7 +113,7 @@ typedef struct view_relight_times {
   float milliseconds; // elapsed time of the relighter's last frame
   float history[VIEW_HISTORY];
   uint32_t frames, awake;               // number of frames; number of probes that have not converged
-  uint64_t copied_bytes, waiting_bytes; // for this picture; still to be copied
+  uint64_t copied_bytes, waiting_bytes; // bytes copied for this picture, and bytes still to be copied
 } view_relight_times;
 
 // Milliseconds of each pass on the device, the newest last.

@@ -30,7 +30,7 @@ bool view_window_poll(view_window *window);
 // Sets the text after the program's name in the window's title; NULL: none.
 void view_window_tell(view_window *window, const char *message);
 
-// The size in pixels; 0 x 0 when minimised.
+// Gets the size in pixels; 0 x 0 when minimised.
 void view_window_size(const view_window *window, uint32_t size[2]);
 void view_window_resize(view_window *window, const uint32_t size[2]);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Build the page of `octalux export web`: build_page.sh OUTPUT PACKAGES. three.js comes from npm into PACKAGES once.
-# Where it cannot be had the page is left out, a line says so, and the next build tries again.
+# Build the page of `octalux export web`: build_page.sh OUTPUT PACKAGES. three.js is fetched from npm into PACKAGES
+# once. Where it is not available the page is left out with a message, and the next build tries again.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 output=$1 packages=$2

@@ -25,10 +25,10 @@ static const bench_plot plots[] = {
 typedef struct rooms {
   bench *b;
   olx_scene *scene;
-  olx_camera cameras[2]; // of the lit and of the dark room
+  olx_camera cameras[2]; // cameras in the lit and in the dark room
   bench_images *reference;
   bench_table *table;
-  double width; // of the opening
+  double width; // width of the opening in metres
 } rooms;
 
 static olx_result load_rooms(rooms *r, double width) {

@@ -186,7 +186,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device_function(VkDevice dev
   return begins_with(name, "vkCreate") ? (PFN_vkVoidFunction)create_other : (PFN_vkVoidFunction)do_nothing;
 }
 
-// A single memory type for everything, because devices that do not exist have none.
+// Reports a single memory type for everything, because devices that do not exist have none.
 static VKAPI_ATTR void VKAPI_CALL memory_properties(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties *memory) {
   (void)device;
   *memory = (VkPhysicalDeviceMemoryProperties){

@@ -37,7 +37,8 @@ bool bench_probe_count(gpu_device *device, const bench_probe *probe, const olx_v
 void bench_probe_floor(const gpu_device *device, const bench_probe *probe, const olx_vulkan_field *field,
                        const rasteriser *raster, const raster_view *view, bool glossy, VkCommandBuffer commands);
 
-// Copy bandwidth between two buffers of the device in gigabytes per second, reads plus writes: the best of `rounds`.
+// Measures the copy bandwidth between two buffers of the device in gigabytes per second, reads plus writes: the best of
+// `rounds`.
 bool bench_copy_bandwidth(gpu_device *device, VkDeviceSize bytes, uint32_t rounds, double *gigabytes);
 
 #endif

@@ -8,7 +8,7 @@ static const char PAPER[] = "McGuire et al. 2017, Table 1: GeForce GTX 1080, 192
 
 static double over(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-// Milliseconds in which a pass could stream its images at the bandwidth.
+// Returns the milliseconds in which a pass could stream its images at the bandwidth.
 static double stream_floor(const bench_report *r, bench_part part) {
   const double bytes = (double)r->settings->width * r->settings->height * bench_part_bytes(part);
   return over(1e-6 * bytes, r->settings->gigabytes);

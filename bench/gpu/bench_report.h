@@ -7,7 +7,7 @@
 typedef struct bench_report {
   const gpu_device *device;
   const bench_settings *settings;
-  double copy_gigabytes; // per second, measured
+  double copy_gigabytes; // measured copy bandwidth in gigabytes per second
   bool stated;           // settings->gigabytes comes from the command line
   uint32_t count;
   const bench_row **rows;

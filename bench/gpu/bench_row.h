@@ -9,19 +9,19 @@ typedef struct bench_settings {
   uint32_t frames;
   bool quick;         // coarse shadows and a short warm-up
   bool compare;       // only compare glossy light by two-level + cage with hi-Z + bricks, in turns
-  const char *camera; // NULL: the scene's first
-  double gigabytes;   // per second, for computing lower bounds
+  const char *camera; // name of the camera; NULL: the scene's first
+  double gigabytes;   // bandwidth in gigabytes per second, for lower bounds
   olx_sample_settings sample;
 } bench_settings;
 
 typedef struct bench_row {
   const char *name, *title;
   const char *scene, *field;          // names of files, without extension
-  uint32_t probes, radiance_size;     // of the paper's field; 0: any
-  double paper_diffuse, paper_glossy; // milliseconds in McGuire et al. 2017, Table 1; below 0: not there
+  uint32_t probes, radiance_size;     // number and map size of the paper's probes; 0: any
+  double paper_diffuse, paper_glossy; // milliseconds in McGuire et al. 2017, Table 1; below 0: not published
 } bench_row;
 
-// The rows of the paper's table, NULL past the last.
+// Returns a row of the paper's table, NULL past the last.
 const bench_row *bench_row_at(uint32_t index);
 
 typedef enum bench_part {
@@ -30,7 +30,7 @@ typedef enum bench_part {
   BENCH_DIRECT,
   BENCH_IRRADIANCE,
   BENCH_GLOSSY,
-  BENCH_DENOISE, // of glossy light alone
+  BENCH_DENOISE, // denoising of glossy light alone
   BENCH_COMPOSITE,
   BENCH_TONE,
   BENCH_FLOOR_DIFFUSE, // passes with the least work
@@ -45,7 +45,7 @@ typedef enum bench_part {
 
 const char *bench_part_name(bench_part part);
 
-// Least bytes per pixel that a pass must read and write in the frame's images.
+// Returns the least bytes per pixel that a pass must read and write in the frame's images.
 uint32_t bench_part_bytes(bench_part part);
 
 enum { BENCH_OLD = 0, BENCH_NEW, BENCH_PAIR }; // two-level + cage, hi-Z + bricks

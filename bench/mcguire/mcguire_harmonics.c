@@ -9,7 +9,7 @@
 enum { MOST_SIZES = 3, FORMS = OLX_IRRADIANCE_SH3 + 1, MOST_WAYS = MOST_SIZES * FORMS, DIRECTIONS = 1024, CAGE = 8 };
 
 typedef struct sh_scene {
-  const char *name, *camera, *dark; // dark: a camera where no light arrives; NULL
+  const char *name, *camera, *dark; // dark: a camera where no light arrives, or NULL
   uint32_t grid[3];
 } sh_scene;
 
@@ -67,7 +67,7 @@ typedef struct ringing {
   double negative, undershoot;
 } ringing;
 
-// Directions spread evenly along a spiral.
+// Returns direction i of a spiral, whose directions are spread evenly.
 static olx_vec3 spread_direction(uint32_t i) {
   const double y = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, around = 2.399963229728653 * i, r = sqrt(1.0 - y * y);
   return (olx_vec3){(float)(r * cos(around)), (float)y, (float)(r * sin(around))};

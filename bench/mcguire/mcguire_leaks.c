@@ -11,7 +11,7 @@ enum { FRAMES = 64, MOST_WAYS = 6 };
 typedef struct figure {
   const char *name, *scene, *camera;
   uint32_t grid[3];
-  bool traced; // also by rays through the light field probes
+  bool traced; // also compares light of rays through the light field probes
   bool buried; // some of its probes are inside geometry
 } figure;
 

@@ -87,7 +87,7 @@ static olx_result add_rays(hall *h, const char *grid, const bench_field *made) {
   return OLX_OK;
 }
 
-// A grid at the centres of as many cells along each side of the scene's bounds.
+// Returns a grid at the centres of as many cells along each side of the scene's bounds.
 static olx_grid grid_in(const olx_scene *scene, uint32_t side) {
   const olx_scene_info info = olx_scene_describe(scene);
   const float n = (float)side;

@@ -32,7 +32,7 @@ static const struct line {
   const char *scene, *camera;
   uint32_t grid[3], texels;
   bool quick;
-  double diffuse_ms, glossy_ms; // published; NAN: not
+  double diffuse_ms, glossy_ms; // published times; NAN: not published
 } lines[] = {
     {"builtin:cornell", NULL, {2, 2, 2}, 2048, false, 0.358, 0.0},
     {"builtin:cornell", NULL, {2, 2, 2}, 256, true, 0.302, 0.0},

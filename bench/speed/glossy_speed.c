@@ -19,8 +19,8 @@ typedef struct way {
   const char *name;
   olx_field *field;
   olx_sample_settings sample;
-  double ns[MOST_ROUNDS]; // per ray
-  olx_render_stats stats; // of one round
+  double ns[MOST_ROUNDS]; // nanoseconds per ray
+  olx_render_stats stats; // statistics of one round
 } way;
 
 // Parses "file.olx:hiz:bricks", and splits the text in place.

@@ -14,14 +14,14 @@
 
 static const char NAME[] = BENCH_PROGRAM " runtime-speed";
 
-// Time of this thread alone, to reduce the influence of other work on the machine.
+// Returns the time of this thread alone, to reduce the influence of other work on the machine.
 static double seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// A pseudorandom number in [0, 1) for each i and salt (splitmix64).
+// Returns a pseudorandom number in [0, 1) for each i and salt (splitmix64).
 static float unit(uint64_t i, uint64_t salt) {
   uint64_t x = (i * 16 + salt) * 0x9E3779B97F4A7C15u;
   x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
@@ -33,7 +33,7 @@ typedef struct query {
   olx_vec3 position, direction;
 } query;
 
-// A query at a point in the middle nine tenths of the scene, in any direction.
+// Returns a query at a point in the middle nine tenths of the scene, in any direction.
 static query query_at(const olx_field_info *info, uint64_t i) {
   const olx_vec3 low = info->scene.bounds_min, high = info->scene.bounds_max;
   const float z = 1.0f - 2.0f * unit(i, 3), r = sqrtf(fmaxf(0.0f, 1.0f - z * z)), phi = 6.2831853f * unit(i, 4);
@@ -49,8 +49,8 @@ typedef struct ray {
   olx_vec3 origin, direction;
 } ray;
 
-// A unit vector, cosine-distributed around n, or uniform where n is zero: the normalized sum of n and a point on the
-// sphere.
+// Returns a unit vector, cosine-distributed around n, or uniform where n is zero: the normalized sum of n and a point
+// on the sphere.
 static olx_vec3 around(olx_vec3 n, uint64_t i) {
   const olx_vec3 s = query_at(&(olx_field_info){0}, i).direction;
   const olx_vec3 d = {n.x + s.x, n.y + s.y, n.z + s.z};

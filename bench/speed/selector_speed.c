@@ -15,10 +15,10 @@ static const char NAME[] = BENCH_PROGRAM " selector-speed";
 
 enum { BLOCK = 5000 };
 
-// Time of this process alone, without others.
+// Returns the processor time of this process alone.
 static double seconds(void) { return (double)clock() / CLOCKS_PER_SEC; }
 
-// A pseudorandom number in [0, 1) for each i and salt (splitmix64).
+// Returns a pseudorandom number in [0, 1) for each i and salt (splitmix64).
 static float unit(uint64_t i, uint64_t salt) {
   uint64_t x = (i * 16 + salt) * 0x9E3779B97F4A7C15u;
   x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
@@ -36,8 +36,8 @@ typedef struct query {
   olx_vec3 position, direction;
 } query;
 
-// A query slightly off a surface point that some probe sees, in a direction away from the surface. Returns false when
-// the probe sees the sky.
+// Makes a query slightly off a surface point that some probe sees, in a direction away from the surface. Returns false
+// when the probe sees the sky.
 static bool query_at(const olx_field *field, const olx_field_info *info, uint64_t i, query *q) {
   const uint32_t probe = (uint32_t)(unit(i, 0) * (float)info->probes.count);
   if (olx_field_probe_buried(field, probe)) return false;

@@ -1,5 +1,5 @@
-// Measures what blocks of 4 x 4 texels make of a baked field (docs/maths.md, "Blocks"): bytes, errors against what the
-// field stores, and the time that it takes to encode and to decode.
+// Measures blocks of 4 x 4 texels for a baked field (docs/maths.md, "Blocks"): bytes, errors against the
+// values that the field stores, and the time of encoding and decoding.
 //
 //   block-quality FIELD.olx [TOLERANCE] [LEAST_COSINE] [SCENE]
 //
@@ -34,7 +34,7 @@ typedef struct probe_blocks {
   uint32_t *seen; // a bit for each texel that is not sky
   olx_geometry_texel *surfaces;
   olx_vec3 *direct, *indirect;
-  float *brightness; // of all light, per texel
+  float *brightness; // largest channel of all light of each texel
   uint32_t *base;    // base colour and roughness
   uint8_t *roughness, *reflectance;
   olx_geometry_code *codes;
@@ -56,14 +56,14 @@ typedef struct light_report {
 
 // The cost and the errors of a method of coding materials.
 typedef struct material_report {
-  double error, square; // of base colour
+  double error, square; // mean and squared error of base colour
   samples color, bytes; // relative errors of base colours; errors of roughness or reflectance, of 255
   double encode_seconds, decode_seconds;
 } material_report;
 
 typedef struct report {
   uint64_t blocks, texels, seen;
-  uint64_t forms[5]; // one plane, two, pool; sky alone; sky beside a plane
+  uint64_t forms[5]; // number of blocks with one plane, two, planes of the pool, sky alone, sky beside a plane
   uint64_t pooled,
       odd; // planes in the pool; texels in blocks of the pool that are not on their two most frequent planes
   samples miss, radial, angle;

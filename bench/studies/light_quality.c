@@ -1,9 +1,9 @@
-// Measures how right the solved light of a scene is: irradiance from surfels at random points that cameras see, against
-// path tracing, with the noise of the reference taken out; and how far two solutions with other random numbers differ.
+// Measures the error of the solved light of a scene: irradiance from surfels at random points that cameras see, against
+// path tracing, without the noise of the reference; and how far two solutions with different random numbers differ.
 //
 //   light-quality SCENE [PROBES.json|-] [NOISE] [SPACING] [MAP] [POINTS] [PATHS] [BOUNCES]
 //
-// Without probes (or with "-") they stand on the scene's grid.
+// Without a file of probes (or with "-") the probes are those of the scene's grid.
 #include "core/parallel.h"
 #include "light/path.h"
 #include "light/scene_light.h"

@@ -73,7 +73,7 @@ static bool box_holds(const olx_box *box, olx_vec3 p, float slack) {
 
 static uint32_t pick(uint32_t key, uint32_t count) { return (uint32_t)(((uint64_t)olx_hash(key) * count) >> 32); }
 
-// Lays the lattice within the box.
+// Fits the lattice to the box.
 static void start_lattice(const olx_scene *scene, const olx_box *box, float ball, lattice *l) {
   const olx_vec3 extent = olx_sub(box->max, box->min);
   const float along[3] = {extent.x, extent.y, extent.z};
@@ -89,7 +89,7 @@ static void start_lattice(const olx_scene *scene, const olx_box *box, float ball
   l->next = take(total, sizeof *l->next);
 }
 
-// The nodes around a position, up to `reach` steps away along each axis, that lie within the lattice.
+// Finds the nodes of the lattice around a position, up to `reach` steps away along each axis.
 static uint32_t nodes_around(const lattice *l, olx_vec3 place, int32_t reach, uint32_t *nodes) {
   const olx_vec3 q = olx_scale(olx_sub(place, l->low), 1.0f / l->step);
   const int32_t at[3] = {(int32_t)floorf(q.x + 0.5f), (int32_t)floorf(q.y + 0.5f), (int32_t)floorf(q.z + 0.5f)};
@@ -112,11 +112,11 @@ enum { REACH = 3, AROUND = (2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1) }
 
 static void enter_node(lattice *l, olx_vec3 from, uint32_t node) {
   if (l->state[node] != UNKNOWN || !sees(l->scene, from, node_place(l, node))) return;
-  l->state[node] = BLOCKED; // until tested, which happens once
+  l->state[node] = BLOCKED; // blocked until the node is tested, which happens once
   l->next[l->next_count++] = node;
 }
 
-// Starts from what a position sees nearby or, from outside the box, anywhere.
+// Starts the flood at nodes that a position sees nearby or, from outside the box, anywhere.
 static void enter_at(lattice *l, const olx_box *box, olx_vec3 place) {
   uint32_t nodes[AROUND];
   const uint32_t count = box_holds(box, place, 0.0f) ? nodes_around(l, place, REACH, nodes) : 0;
@@ -142,7 +142,7 @@ static void add_neighbours(lattice *l, uint32_t node) {
                               c[axis] + 1 < l->count[axis] ? node + stride[axis] : node};
     for (int k = 0; k < 2; k++) {
       if (l->state[both[k]] != UNKNOWN) continue;
-      l->state[both[k]] = BLOCKED; // until tested, which happens once
+      l->state[both[k]] = BLOCKED; // blocked until the node is tested, which happens once
       l->next[l->next_count++] = both[k];
     }
   }
@@ -193,7 +193,7 @@ typedef struct spots {
   uint32_t count;
 } spots;
 
-// The ball's positions that count: within playable space, or the bounds.
+// Returns the ball's positions that count: within playable space, or the bounds.
 static spots list_places(const lattice *l, const olx_box *box) {
   const size_t total = (size_t)l->count[0] * l->count[1] * l->count[2];
   spots s = {.places = take(total, sizeof *s.places)};
@@ -212,7 +212,7 @@ static bool sees_well(const olx_scene *scene, olx_vec3 place, olx_vec3 point, ol
 typedef struct coverage_job {
   const olx_scene *scene;
   const olx_probe_set *set;
-  const olx_vec3 *sorted; // the probes' places, by x
+  const olx_vec3 *sorted; // positions of the probes, sorted by x
   spots from;
   uint8_t *outcome; // per ray: 0 none, 1 covered, 2 could be covered, 3 could not
 } coverage_job;

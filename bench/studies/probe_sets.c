@@ -44,8 +44,8 @@ static olx_vec3 truth(const comparison *c, const olx_ray *ray, olx_sampler *samp
   return olx_add(light.diffuse, light.specular);
 }
 
-// Glossy light of a pixel from every field, followed by the reference; `half` selects independent rays. Returns false
-// where nothing is glossy.
+// Computes the glossy light of a pixel from every field, followed by the reference; `half` selects independent rays.
+// Returns false where nothing is glossy.
 static bool shade(const comparison *c, const olx_camera_frame *frame, uint32_t pixel, uint32_t half, olx_vec3 *light) {
   const olx_vec2 random = olx_stratified2(pixel, 77);
   const olx_vec3 eye_direction = olx_camera_direction(frame, random.x, random.y);
@@ -86,7 +86,7 @@ static void add_pixel(comparison *c, uint32_t camera, const olx_camera_frame *fr
   }
 }
 
-// A field's error over all cameras, excluding one part of the pixels (PARTS: none excluded).
+// Returns a field's error over all cameras, excluding one part of the pixels (PARTS: none excluded).
 static double error_without(const comparison *c, uint32_t field, uint32_t cameras, uint32_t part) {
   double sum = 0.0;
   for (uint32_t k = 0; k < cameras; k++) {

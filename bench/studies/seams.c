@@ -55,7 +55,7 @@ static olx_vec3 position(const picture *p, uint32_t pixel) {
   return along(p->eye, way, p->image.layers[OLX_LAYER_DEPTH][pixel].x);
 }
 
-// The number of the cage that a point lies in; points beyond the grid belong to its outermost cages.
+// Returns the number of the cage that a point lies in; points beyond the grid belong to its outermost cages.
 static uint32_t cage_of(const olx_grid *grid, olx_vec3 at) {
   const float offset[3] = {at.x - grid->origin.x, at.y - grid->origin.y, at.z - grid->origin.z};
   const float spacing[3] = {grid->spacing.x, grid->spacing.y, grid->spacing.z};
@@ -68,7 +68,7 @@ static uint32_t cage_of(const olx_grid *grid, olx_vec3 at) {
   return number;
 }
 
-// What varies over a surface; negative where there is no such light.
+// Returns the light that varies over a surface; negative where there is none.
 static float value(const picture *p, olx_layer layer, uint32_t pixel) {
   const olx_vec3 light = p->image.layers[layer][pixel];
   if (layer == OLX_LAYER_INDIRECT_GLOSSY) return light.x + light.y + light.z > 0.0f ? luminance(light) : -1.0f;
@@ -79,7 +79,7 @@ static float value(const picture *p, olx_layer layer, uint32_t pixel) {
 
 static bool alike(float a, float b) { return fabsf(a - b) <= 0.1f * fmaxf(a, b); }
 
-// Whether four pixels show one flat piece of surface, of one material.
+// Returns whether four pixels show one flat piece of surface, of one material.
 static bool one_surface(const picture *p, const uint32_t pixels[4], const olx_vec3 at[4]) {
   const olx_vec3 normal = p->image.layers[OLX_LAYER_NORMAL][pixels[1]];
   const olx_vec3 color = p->image.layers[OLX_LAYER_ALBEDO][pixels[1]];
@@ -130,7 +130,7 @@ static uint64_t count_broken(const olx_image *image) {
   for (uint32_t layer = 0; layer < OLX_LAYER_COUNT; layer++) {
     for (size_t i = 0; image->layers[layer] && i < (size_t)image->width * image->height; i++) {
       const olx_vec3 v = image->layers[layer][i];
-      if (layer == OLX_LAYER_DEPTH) broken += !(v.x > 0.0f); // infinite where the sky is
+      if (layer == OLX_LAYER_DEPTH) broken += !(v.x > 0.0f); // infinite for the sky
       else broken += !(isfinite(v.x) && isfinite(v.y) && isfinite(v.z));
     }
   }

@@ -27,7 +27,7 @@ static olx_vec3 cross(olx_vec3 a, olx_vec3 b) {
   return (olx_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Light that leaves `target` towards `eye`, with the number of bounces of a baked texel.
+// Returns light that leaves `target` towards `eye`, with the number of bounces of a baked texel.
 static olx_vec3 light_towards(const olx_scene *scene, olx_vec3 eye, olx_vec3 target) {
   const olx_vec3 way = unit(minus(target, eye));
   olx_camera camera = {.eye = eye, .target = target, .fov_y_degrees = 0.01f};
@@ -43,7 +43,7 @@ static olx_vec3 light_towards(const olx_scene *scene, olx_vec3 eye, olx_vec3 tar
   return light;
 }
 
-// The view ray through a pixel's centre.
+// Returns the view ray through a pixel's centre.
 static olx_vec3 pixel_direction(const olx_camera *camera, uint32_t pixel, olx_vec3 forward) {
   const olx_vec3 right = unit(cross(forward, camera->up)), up = cross(right, forward);
   const float half = tanf(camera->fov_y_degrees * 0.5f * 3.14159265f / 180.0f);

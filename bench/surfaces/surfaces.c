@@ -17,7 +17,7 @@ typedef struct surface_scene {
   const char *name;
   olx_result (*measure)(surface_run *r);
   const char *what;
-  bool quick; // also with --quick
+  bool quick; // measured also with --quick
 } surface_scene;
 
 static const surface_scene scenes[] = {
@@ -53,7 +53,7 @@ const char *surfaces_scene(uint32_t index) { return index < SCENES ? bench_scene
 
 uint32_t surface_ways(const surface_run *r) { return r->b->options->quick ? 1 : 2; }
 
-// The number of bounces: the default of bakes, or one with --quick.
+// Returns the number of bounces: the default of bakes, or one with --quick.
 static uint32_t bounces(const surface_run *r) {
   return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
 }

@@ -16,7 +16,7 @@ typedef struct surface_run {
   bench_table *light, *fields, *leaks, *thin, *modes;
 } surface_run;
 
-// Number of probe sets: placed probes, and the grid unless --quick is given.
+// Returns the number of probe sets: placed probes, and the grid unless --quick is given.
 uint32_t surface_ways(const surface_run *r);
 const char *surface_where(const surface_run *r);
 // Bakes a field as `place` and `bake` do by default, or with probe light, which some modes and audits need. Must be
@@ -30,26 +30,26 @@ olx_result surface_keep_cameras(surface_run *r, uint32_t count, const char *cons
 
 // The kinds of diffuse light that a renderer chooses from, the default first.
 enum { SURFACE_MODES = 4 };
-// Settings for images through pixel centres in a mode.
+// Returns settings for images through pixel centres in a mode.
 bench_way surface_mode(const surface_run *r, const olx_field *field, uint32_t mode);
 
-// Mean indirect diffuse light of an image, summed over channels; NaN without an image.
+// Returns the mean indirect diffuse light of an image, summed over channels; NaN without an image.
 double surface_mean_light(const olx_image *image);
 double surface_camera_light(bench_images *images, uint32_t camera);
-// Mean light of a block of `side` x `side` pixels.
+// Returns the mean light of a block of `side` x `side` pixels.
 double surface_block_light(const olx_image *image, uint32_t left, uint32_t top, uint32_t side);
-// The least and the greatest ratio of light over blocks of 8 x 8 pixels that are not dark in the reference.
+// Computes the least and the greatest ratio of light over blocks of 8 x 8 pixels that are not dark in the reference.
 void surface_compare_blocks(const olx_image *image, const olx_image *reference, double *least, double *most);
 
-// Processor time per point in the diffuse pass in nanoseconds, from light stored at surfaces and from irradiance
-// probes. Both are rendered in turns; the result is the median.
+// Measures the processor time per point in the diffuse pass in nanoseconds, from light stored at surfaces and from
+// irradiance probes. Both are rendered in turns; the result is the median.
 olx_result surface_times(const surface_run *r, const olx_field *field, double *surface_ns, double *irradiance_ns);
 
 // Measurements of one open scene each; r->placed selects placed probes or a grid.
 olx_result surface_pictures(surface_run *r);  // also in all modes, from the camera that r->what names
-olx_result surface_all_modes(surface_run *r); // from the camera that r->what names, or from all
-olx_result surface_leak(surface_run *r);      // past the wall that r->what names
-olx_result surface_thin_wall(surface_run *r); // through it, in all modes
+olx_result surface_all_modes(surface_run *r); // all modes from the camera that r->what names, or from all cameras
+olx_result surface_leak(surface_run *r);      // light that leaks past the wall that r->what names
+olx_result surface_thin_wall(surface_run *r); // light that leaks through a thin wall, in all modes
 // Adds rows to the modes' table, from the camera of that name or, with NULL, from all.
 olx_result surface_add_modes(const surface_run *r, const olx_field *field, const char *camera);
 

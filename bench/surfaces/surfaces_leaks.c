@@ -72,7 +72,7 @@ static olx_result add_thin(const surface_run *r, const olx_field *field, uint32_
   return result;
 }
 
-// Mean of the volume's light over a lattice of points in a box and six normals.
+// Returns the mean of the volume's light over a lattice of points in a box and six normals.
 static double volume_light(const olx_field *field, olx_vec3 low, olx_vec3 high) {
   enum { SIDE = 12 };
   double sum = 0.0;

@@ -45,8 +45,8 @@ bench_way surface_mode(const surface_run *r, const olx_field *field, uint32_t mo
   return way;
 }
 
-// The greatest excess of light in a dark corner, relative to the mean light of the reference; NaN where nothing is
-// dark.
+// Returns the greatest excess of light in a dark corner, relative to the mean light of the reference; NaN where nothing
+// is dark.
 static double find_slit(const olx_image *image, const olx_image *reference) {
   const double mean = surface_mean_light(reference);
   double most = NAN;

@@ -74,8 +74,8 @@ static bakes_sum compare_two(const olx_image *a, const olx_image *b) {
   return sum;
 }
 
-// RMS difference of the images of two fields relative to their mean, for each camera and finally for all. The report of
-// the other field, a bake with default settings and another seed, stays in *other.
+// Computes the RMS difference of the images of two fields relative to their mean, for each camera and finally for all.
+// The report of the other field, a bake with default settings and another seed, stays in *other.
 static olx_result compare_bakes(const surface_run *r, bench_images *images, bench_field *other,
                                 double rms[BENCH_CAMERAS + 1]) {
   bench_images again = {0};

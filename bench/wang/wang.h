@@ -9,7 +9,7 @@ typedef struct wang_row {
   bench_probes probes;
   olx_tracer tracer;
   olx_select select;
-  const char *shown; // where the thesis shows it; NULL: an addition
+  const char *shown; // figure or table of the thesis that shows the row; NULL: an addition
   double ms, mse;    // as published; 0: not published
 } wang_row;
 
@@ -21,8 +21,8 @@ typedef struct wang_size {
 } wang_size;
 
 typedef struct wang_scene {
-  const char *name;        // as tables and --only say it
-  const char *description; // in the folder of descriptions
+  const char *name;        // name in tables and for --only
+  const char *description; // name in the folder of descriptions
   const wang_row *rows;
   uint32_t row_count;
   const wang_size *sizes;
@@ -32,7 +32,7 @@ typedef struct wang_scene {
 enum { WANG_SCENES = 3, WANG_ROWS = 48, WANG_ROUNDS = 1000 };
 extern const wang_scene wang_scenes[WANG_SCENES];
 
-// Names of scenes for --only, NULL after the last.
+// Returns the name of a scene for --only, NULL after the last.
 const char *wang_scene_name(uint32_t index);
 
 #endif

@@ -102,7 +102,7 @@ static olx_result examine(const wang_view *view, const bench_probes *wanted, fin
   return result;
 }
 
-// The ratio of a set's error to that of the best grid, for the camera with the greatest ratio.
+// Returns the ratio of a set's error to that of the best grid, for the camera with the greatest ratio.
 static double worst_camera(const wang_view *view, const finding *found, const finding *best) {
   double worst = 0.0;
   for (uint32_t c = 0; c < view->references->cameras; ++c) {

@@ -8,7 +8,7 @@ static bool same_probes(const bench_probes *a, const bench_probes *b) {
          a->optimize == b->optimize && a->texels == b->texels;
 }
 
-// Whether the thesis shows the row only in its appendix.
+// Returns whether the thesis shows the row only in its appendix.
 static bool is_series(const wang_row *row) {
   return row->shown && (strncmp(row->shown, "Fig. A", 6) == 0 || strncmp(row->shown, "Figs. A", 7) == 0);
 }

@@ -9,9 +9,9 @@ typedef struct wang_measured_row {
   const wang_row *row;
   uint32_t set; // index of its field
   wang_quality quality;
-  double steps, probes_tried, unresolved; // per ray
+  double steps, probes_tried, unresolved; // means per ray
   double ms[WANG_ROUNDS], median_ms;
-  bench_images pictures; // of the first row of its set and selector, when they are shown
+  bench_images pictures; // images of the first row of its set and selector, when they are shown
 } wang_measured_row;
 
 // The rows of one scene, and the fields of their sets.
@@ -30,7 +30,7 @@ olx_result wang_time_rows(const wang_view *view, wang_measured *t);
 // Closes the fields; what was measured of them is kept.
 void wang_close_sets(wang_measured *t);
 
-// The name of a row's set of probes, such as "16 sdf + gibbs".
+// Returns the name of a row's set of probes, such as "16 sdf + gibbs".
 bench_name wang_row_name(const wang_measured_row *row);
 
 #endif

@@ -9,8 +9,8 @@
 #define HIZ OLX_TRACER_HIZ
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-// The times are those of Table 5.1, on a GTX 1060 at 1900x1080; what section 5.1 and the figures say otherwise stands
-// in docs/results.md.
+// The times are those of Table 5.1, on a GTX 1060 at 1900x1080; docs/results.md lists where section 5.1 and the figures
+// differ.
 static const wang_row cornell_rows[] = {
     {GRID(2, 2, 2), ORIGINAL, OLX_SELECT_CAGE, "Table 5.1, Fig. 5.1", 11.3, 0},
     {GRID(2, 2, 2), HIZ, OLX_SELECT_CAGE, "Table 5.1", 8.2, 0},

@@ -6,13 +6,13 @@
 
 enum { WANG_ERRORS = 1, WANG_TIMES = 2 };
 
-// One scene with what the experiment needs of it (all of it when all experiments run); `series`: with the sets of
-// appendix A. *measured is NULL when the scene is left out, which the findings then tell. Its fields are closed.
+// Measures what the experiment needs of one scene (everything when all experiments run); `series`: with the sets of
+// appendix A. *measured is NULL when the scene is left out, which the findings then report. Its fields are closed.
 olx_result wang_study_scene(bench *b, uint32_t scene, uint32_t parts, bool series, wang_measured **measured);
 // Shows images of some rows of a scene, from its cameras, beside the references.
 olx_result wang_study_show(bench *b, uint32_t scene, const uint32_t *rows, uint32_t count, olx_layer layer);
 
-// The name of a tracer: "texel", "two-level", "hiz".
+// Returns the name of a tracer: "texel", "two-level", "hiz".
 const char *wang_tracer_name(olx_tracer tracer);
 
 #endif

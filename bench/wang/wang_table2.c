@@ -35,7 +35,7 @@ static const struct published {
 
 static const double MIB = 1048576.0;
 
-// Size of maps scaled to 512 texels along a side, with their borders of one texel.
+// Returns the size of maps scaled to 512 texels along a side, with their borders of one texel.
 static double at_512(double bytes, uint32_t texels) {
   const double side = (double)texels + 2.0;
   return bytes / MIB * 514.0 * 514.0 / (side * side);

@@ -73,7 +73,7 @@ static void add_memory(bench *b, bench_table *table, const char *scene, const wa
                NUMBER_CELL(set->bake_seconds));
 }
 
-// The final light and the glossy layer of every row that has pictures of its own.
+// Shows the final light and the glossy layer of every row that has pictures of its own.
 static olx_result show(bench *b, uint32_t scene, const wang_measured *t) {
   uint32_t rows[WANG_ROWS], count = 0;
   for (uint32_t i = 0; i < t->row_count; ++i) {

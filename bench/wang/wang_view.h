@@ -15,13 +15,13 @@ typedef struct wang_view {
   bench_images *references;
 } wang_view;
 olx_result wang_open(bench *b, uint32_t scene, wang_view *view);
-// Whether the experiment skips the scene, because --only does not name it or because of --quick, which the findings
-// report.
+// Returns whether the experiment skips the scene, because --only does not name it or because of --quick, which the
+// findings report.
 bool wang_leaves_out(bench *b, uint32_t scene);
 
-// Settings for images with the size and the samples of the run.
+// Returns settings for images with the size and the samples of the run.
 olx_render_settings wang_picture(const bench *b, olx_method method);
-// The probes with map sizes by --texels, which replaces 512 texels.
+// Returns the probes with map sizes by --texels, which replaces 512 texels.
 bench_probes wang_probes(const bench *b, const bench_probes *probes);
 uint32_t wang_rounds(const bench *b);
 

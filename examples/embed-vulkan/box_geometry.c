@@ -1,5 +1,5 @@
-// Makes the Cornell box of builtin:cornell-glossy as a host has it in its own vertex buffer: triangles with normals,
-// colours and materials.
+// Makes the Cornell box of builtin:cornell-glossy as a host would store it in its own vertex buffer: triangles with
+// normals, colours and materials.
 #include "box_geometry.h"
 
 #include <math.h>
@@ -20,8 +20,8 @@ static const box_material materials[] = {
     [LIGHT] = {.material = {1.0f, 0.0f, 0.0f}, .emission = {17.0f, 12.0f, 4.0f}},
 };
 
-// Counter-clockwise from the side that shows, in millimetres. The light is the last one; surface.frag knows where it
-// is.
+// Quads counter-clockwise as seen from the front, in millimetres. The light is the last one; surface.frag contains its
+// position.
 static const struct {
   int material;
   float corners[4][3];

@@ -1,5 +1,5 @@
-// The host's scene, as it has it in its own vertex and index buffers: the Cornell box of builtin:cornell-glossy. A
-// field holds light and no geometry, and that it was baked from the same scene is the host's business.
+// The host's scene in its own vertex and index buffers: the Cornell box of builtin:cornell-glossy. A field contains
+// light and no geometry, so the host must make sure that it was baked from the same scene.
 #ifndef BOX_GEOMETRY_H
 #define BOX_GEOMETRY_H
 
@@ -7,7 +7,7 @@
 
 enum { BOX_QUADS = 16, BOX_VERTICES = 4 * BOX_QUADS, BOX_INDICES = 6 * BOX_QUADS };
 
-// surface.vert and surface.frag read it, 15 floats a vertex.
+// A vertex as surface.vert and surface.frag read it, 15 floats.
 typedef struct box_vertex {
   olx_vec3 position, normal; // metres
   olx_vec3 base_color;

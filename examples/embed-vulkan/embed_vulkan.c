@@ -11,7 +11,7 @@
 #include "surface_pass.h"
 
 #include <octalux/octalux.h>
-#include <octalux/render.h> // olx_image_save: a host writes no pictures, and links octalux::octalux alone
+#include <octalux/render.h> // only for olx_image_save; a host that writes no pictures links octalux::octalux alone
 #include <octalux/vulkan.h>
 
 #include <math.h>
@@ -23,7 +23,7 @@ enum { NO_DEVICE = 77 };
 
 static const VkAccessFlags COMPUTE_ACCESS = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
 
-// What is read back: the picture before and after Octalux, and its glossy light.
+// Images that are read back: the picture before and after Octalux, and its glossy light.
 enum { WITHOUT, WITH, GLOSSY, READ_BACK };
 
 typedef struct options {
@@ -35,12 +35,12 @@ typedef struct options {
 typedef struct renderer {
   options options;
   gpu gpu;
-  // The host's.
+  // Objects of the host.
   surface_pass surfaces;
   surface_camera camera;
   float clip_to_world[16];
   gpu_buffer read_back[READ_BACK];
-  // What Octalux adds.
+  // Objects that Octalux needs.
   olx_vulkan_field *field;
   gpu_image irradiance, glossy;
   olx_vulkan_frame *frame;
@@ -54,7 +54,7 @@ static void need_octalux(olx_result result) {
 
 // ---- Octalux ------------------------------------------------------------------------------------------------------
 
-// Once a level: its field goes to the device.
+// Loads a field and uploads it; once for each level.
 static void load_field(renderer *r) {
   const gpu *g = &r->gpu;
   const olx_vulkan_host host = {.get_instance_proc_addr = vkGetInstanceProcAddr,
@@ -71,10 +71,11 @@ static void load_field(renderer *r) {
   printf("%s: %u probes, %.1f MiB on %s\n", r->options.field_path, olx_field_describe(field).probes.count,
          (double)sizes.device_bytes / (1 << 20), g->name);
   need_octalux(olx_vulkan_field_create(&host, field, &r->field));
-  olx_field_close(field); // all of it is on the device
+  olx_field_close(field); // the device has a copy of all of it
 }
 
-// Once, and, by olx_vulkan_frame_resize, for images of another size: the passes learn what to read and write.
+// Creates the passes' frame once, which names the images that they read and write; for images of another size,
+// olx_vulkan_frame_resize replaces them.
 static void make_frame(renderer *r) {
   const gpu *g = &r->gpu;
   const VkImageUsageFlags written = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -90,7 +91,8 @@ static void make_frame(renderer *r) {
                                       .normal = inputs[SURFACE_NORMAL],
                                       .albedo = inputs[SURFACE_ALBEDO],
                                       .roughness = inputs[SURFACE_MATERIAL],
-                                      .geometric_normal = inputs[SURFACE_NORMAL], // boxes are flat
+                                      // The G-buffer's normal, since boxes are flat.
+                                      .geometric_normal = inputs[SURFACE_NORMAL],
                                       .irradiance = r->irradiance.view,
                                       .glossy = r->glossy.view,
                                       .color = r->surfaces.images[SURFACE_COLOR].view,
@@ -99,7 +101,7 @@ static void make_frame(renderer *r) {
   need_octalux(olx_vulkan_frame_create(r->field, &targets, &r->frame));
 }
 
-// Of an image of layout GENERAL that compute shaders write, before and after.
+// Records a copy of an image that compute shaders write before and after it, in layout GENERAL.
 static void record_copy(const renderer *r, const gpu_image *image, uint32_t to) {
   const gpu *g = &r->gpu;
   const VkImageLayout general = VK_IMAGE_LAYOUT_GENERAL, source = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
@@ -113,24 +115,24 @@ static void record_copy(const renderer *r, const gpu_image *image, uint32_t to) 
   gpu_change_layout(g, image, source, general, after);
 }
 
-// Every frame. The host's passes come first, then Octalux's; `color` has all of the light at the end.
+// Records a frame: the host's passes come first, then Octalux's; at the end `color` contains all light.
 static void record_frame(const renderer *r) {
   const gpu *g = &r->gpu;
   const gpu_image *color = &r->surfaces.images[SURFACE_COLOR];
   surface_pass_record(g, &r->surfaces, &r->camera, olx_vulkan_field_set(r->field));
-  record_copy(r, color, WITHOUT); // a renderer would not: it is here to show what Octalux adds
+  record_copy(r, color, WITHOUT); // only to show what Octalux adds; a renderer would not copy this
 
-  // Octalux wants its outputs in layout GENERAL; what an earlier frame left in them may go.
+  // Octalux needs its outputs in layout GENERAL; contents of an earlier frame may be discarded.
   const gpu_order earlier = {VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                              COMPUTE_ACCESS};
   gpu_change_layout(g, &r->irradiance, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, earlier);
   gpu_change_layout(g, &r->glossy, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, earlier);
-  // The host's writes come before Octalux's passes by the dependency that ends surface_pass.c's render pass.
+  // The dependency at the end of surface_pass.c's render pass orders the host's writes before Octalux's passes.
 
   olx_vulkan_view view = {.eye = {r->camera.eye[0], r->camera.eye[1], r->camera.eye[2]}, .empty_depth = 0.0f};
   memcpy(view.clip_to_world, r->clip_to_world, sizeof view.clip_to_world);
   olx_vulkan_settings settings = olx_vulkan_settings_default();
-  settings.glossy_samples = 16; // a renderer takes 1, counts sample_index up, and filters over time
+  settings.glossy_samples = 16; // a renderer takes 1, increments sample_index, and filters over time
   uint32_t add = OLX_VULKAN_ADD_GLOSSY;
   if (!r->options.own_shader) {
     need_octalux(olx_vulkan_record_irradiance(r->frame, g->commands, &view, &settings));
@@ -139,8 +141,8 @@ static void record_frame(const renderer *r) {
   need_octalux(olx_vulkan_record_glossy(r->frame, g->commands, &view, &settings));
   need_octalux(olx_vulkan_record_composite(r->frame, g->commands, &view, &settings, add));
 
-  // Octalux's writes before what the host does with the picture: tone mapping, or, here, copies that begin with a
-  // barrier.
+  // Octalux's writes must be ordered before the host's use of the picture: tone mapping, or here copies, which begin
+  // with a barrier.
   record_copy(r, color, WITH);
   record_copy(r, &r->glossy, GLOSSY);
   gpu_barrier(g, (gpu_order){VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
@@ -148,7 +150,7 @@ static void record_frame(const renderer *r) {
 }
 
 static void remove_octalux(renderer *r) {
-  olx_vulkan_frame_destroy(r->frame); // before its field
+  olx_vulkan_frame_destroy(r->frame); // must be destroyed before its field
   olx_vulkan_field_destroy(r->field);
   gpu_free_image(&r->gpu, &r->irradiance);
   gpu_free_image(&r->gpu, &r->glossy);
@@ -156,8 +158,8 @@ static void remove_octalux(renderer *r) {
 
 // ---- The host -----------------------------------------------------------------------------------------------------
 
-// The camera "front" of builtin:cornell-glossy, which looks along +z with +x on the left. Depth is reversed and
-// endless: NEAR / distance. clip_to_world is the inverse of world_to_clip, written down instead of computed.
+// The camera is "front" of builtin:cornell-glossy, which looks along +z with +x on the left. Depth is reversed and
+// infinite: NEAR / distance. clip_to_world is the inverse of world_to_clip, in closed form.
 static void place_camera(renderer *r) {
   const float eye[3] = {0.278f, 0.273f, -0.8f}, near = 0.05f;
   const float y = tanf(39.3077f / 2.0f * 3.14159265f / 180.0f);
@@ -171,7 +173,7 @@ static void place_camera(renderer *r) {
 
 // ---- The picture --------------------------------------------------------------------------------------------------
 
-// None of the numbers here is negative, infinite or NaN.
+// Converts a half float that is not negative, infinite or NaN.
 static float half_float(uint16_t h) {
   const int exponent = h >> 10 & 31, mantissa = h & 1023;
   return exponent ? ldexpf((float)(mantissa + 1024), exponent - 25) : ldexpf((float)mantissa, -24);
@@ -182,8 +184,8 @@ static olx_vec3 pixel(const renderer *r, uint32_t image, size_t i) {
   return (olx_vec3){half_float(half[0]), half_float(half[1]), half_float(half[2])};
 }
 
-// What the composite pass has added beside glossy light is diffuse light. The host's own shader adds it along with
-// direct light, and there is no such layer.
+// Apart from glossy light, the composite pass has added diffuse light. With the host's own shader diffuse light is part
+// of the picture without Octalux, so this layer is left out.
 static void save_picture(const renderer *r) {
   const uint32_t diffuse = r->options.own_shader ? 0 : 1u << OLX_LAYER_INDIRECT_DIFFUSE;
   olx_image image;
@@ -233,7 +235,7 @@ int main(int argc, char **argv) {
   r.surfaces = surface_pass_make(&r.gpu, r.options.size, olx_vulkan_field_set_layout(r.field), r.options.own_shader);
   place_camera(&r);
   for (uint32_t i = 0; i < READ_BACK; i++) {
-    const size_t bytes = (size_t)8 * r.options.size.width * r.options.size.height; // four half floats a pixel
+    const size_t bytes = (size_t)8 * r.options.size.width * r.options.size.height; // four half floats for each pixel
     r.read_back[i] = gpu_make_buffer(&r.gpu, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, NULL);
   }
   make_frame(&r);

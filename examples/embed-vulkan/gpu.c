@@ -1,5 +1,5 @@
-// Stands for the Vulkan code that every engine has already: opens a device, and makes buffers, images and shaders. It
-// knows nothing of Octalux.
+// Represents the Vulkan code that every engine already has: opens a device, and makes buffers, images and shaders. It
+// does not use Octalux.
 #include "gpu.h"
 
 #include <stdio.h>

@@ -1,8 +1,8 @@
 // The host's one pass: the G-buffer, and a picture with emitted and direct light. The light is a rectangle under the
 // ceiling, sampled, with shadow rays against every triangle of the scene: an engine has shadow maps, but 30 triangles
-// are soon tried.
+// take little time.
 //
-// Compiled a second time with OWN_DIFFUSE, it also asks the field for irradiance: the second way to use Octalux, for
+// Compiled a second time with OWN_DIFFUSE, it also queries the field for irradiance: the second way to use Octalux, for
 // forward renderers, without the recorded diffuse pass and its image.
 #version 460
 #ifdef OWN_DIFFUSE
@@ -39,7 +39,7 @@ vec3 vertex_position(uint i) {
   return vec3(vertices[at], vertices[at + 1], vertices[at + 2]);
 }
 
-// Whether a triangle crosses the segment from `origin` to `origin + along` (Moeller and Trumbore).
+// Returns whether a triangle crosses the segment from `origin` to `origin + along` (Moeller and Trumbore).
 bool crosses(uint first, vec3 origin, vec3 along) {
   vec3 a = vertex_position(first), u = vertex_position(first + 1) - a, v = vertex_position(first + 2) - a;
   vec3 p = cross(along, v), s = origin - a, q = cross(s, u);
@@ -58,13 +58,13 @@ bool in_shadow(vec3 origin, vec3 along) {
 
 float schlick(float cosine) { return pow(clamp(1.0 - cosine, 0.0, 1.0), 5.0); }
 
-// The share of irradiance / pi that leaves towards the eye: metals and the coat's reflection take the rest.
+// Returns the share of irradiance / pi that is reflected towards the eye; metals and the coat take the rest.
 vec3 diffuse_reflectance(vec3 n, vec3 view) {
   float coat = material.z * mix(0.04, 1.0, schlick(dot(n, view)));
   return base_color * (1.0 - material.y) * (1.0 - coat);
 }
 
-// GGX with height-correlated Smith shadowing and Schlick's Fresnel.
+// Returns GGX with height-correlated Smith shadowing and Schlick's Fresnel.
 vec3 specular(vec3 n, vec3 view, vec3 l) {
   vec3 h = normalize(l + view);
   float nl = dot(n, l), nv = max(dot(n, view), 1e-4), nh = dot(n, h);
@@ -98,7 +98,7 @@ void main() {
   vec3 n = normalize(surface_normal), view = normalize(eye.xyz - position);
   vec3 light = emission + direct_light(n, view);
 #ifdef OWN_DIFFUSE
-  // Boxes are flat, and nothing moves: the normal is that of the triangle, and no normal map bends it.
+  // Boxes are flat and have no normal maps, so the triangle's normal serves as both normals.
   light += diffuse_reflectance(n, view) / PI * olx_surface_irradiance(olx_sample_settings_default(), position, n, n, view);
 #endif
   normal_image = vec4(n, 0.0);

@@ -1,4 +1,4 @@
-// The host's one pass: what is where.
+// The host's one pass: transforms vertices to clip space.
 #version 460
 
 layout(push_constant) uniform camera {

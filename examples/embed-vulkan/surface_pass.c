@@ -32,7 +32,7 @@ VkImageLayout surface_layout(uint32_t image) {
 
 static void make_images(const gpu *g, surface_pass *pass) {
   for (uint32_t i = 0; i < SURFACE_IMAGES; i++) {
-    // Octalux samples the G-buffer and stores into the picture.
+    // Octalux samples the G-buffer and writes the picture as a storage image.
     const VkImageUsageFlags drawn =
         i == SURFACE_DEPTH ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkImageUsageFlags used =
@@ -62,8 +62,8 @@ static void make_render_pass(const gpu *g, surface_pass *pass) {
                                         .colorAttachmentCount = COLORS,
                                         .pColorAttachments = colors,
                                         .pDepthStencilAttachment = &depth};
-  // The barriers between this pass and compute shaders, which Octalux's are: those of the frame before, and of this
-  // one.
+  // The dependencies order this pass after the compute shaders of the previous frame, and before those of this frame,
+  // which Octalux's passes are.
   const VkPipelineStageFlags tests =
       VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
   const VkAccessFlags writes = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
@@ -124,14 +124,14 @@ static void make_scene(const gpu *g, surface_pass *pass) {
                                              {pass->indices.buffer, 0, VK_WHOLE_SIZE}};
   const VkWriteDescriptorSet write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                       .dstSet = pass->set,
-                                      .descriptorCount = 2, // goes on from binding 0 to 1
+                                      .descriptorCount = 2, // for bindings 0 and 1
                                       .descriptorType = type,
                                       .pBufferInfo = buffers};
   vkUpdateDescriptorSets(g->device, 1, &write, 0, NULL);
 }
 
 static void make_layout(const gpu *g, surface_pass *pass, VkDescriptorSetLayout field_set) {
-  const VkDescriptorSetLayout sets[2] = {pass->set_layout, field_set}; // surface.frag has OLX_FIELD_SET 1
+  const VkDescriptorSetLayout sets[2] = {pass->set_layout, field_set}; // surface.frag defines OLX_FIELD_SET as 1
   const VkPushConstantRange camera = {CAMERA_STAGES, 0, sizeof(surface_camera)};
   const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                              .setLayoutCount = 2,
@@ -231,7 +231,7 @@ void surface_pass_free(const gpu *g, surface_pass *pass) {
 
 void surface_pass_record(const gpu *g, const surface_pass *pass, const surface_camera *camera,
                          VkDescriptorSet field_set) {
-  const VkClearValue clear[SURFACE_IMAGES] = {0}; // depth 0: nothing
+  const VkClearValue clear[SURFACE_IMAGES] = {0}; // depth 0 means no surface
   const VkDeviceSize offset = 0;
   const VkDescriptorSet sets[2] = {pass->set, field_set};
   const VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,

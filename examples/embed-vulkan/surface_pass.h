@@ -7,7 +7,7 @@
 
 enum { SURFACE_NORMAL, SURFACE_ALBEDO, SURFACE_MATERIAL, SURFACE_COLOR, SURFACE_DEPTH, SURFACE_IMAGES };
 
-typedef struct surface_camera { // push constants
+typedef struct surface_camera { // the push constants
   float world_to_clip[16];
   float eye[4];
 } surface_camera;
@@ -25,14 +25,16 @@ typedef struct surface_pass {
   VkPipeline pipeline;
 } surface_pass;
 
-// The layout in which the pass leaves an image, ready for compute shaders: GENERAL for color, read-only for the others.
+// Returns the layout in which the pass leaves an image, ready for compute shaders: GENERAL for color, read-only for the
+// others.
 VkImageLayout surface_layout(uint32_t image);
 
-// field_set goes to set 1. With own_diffuse, color gets indirect diffuse light too.
+// Makes the pass, with field_set as set 1. With own_diffuse, its shader also adds indirect diffuse light to color.
 surface_pass surface_pass_make(const gpu *g, VkExtent2D size, VkDescriptorSetLayout field_set, bool own_diffuse);
 void surface_pass_free(const gpu *g, surface_pass *pass);
 
-// The depth range is reversed: 0 where there is no surface. Orders itself before compute shaders that read and write.
+// Records the pass. The depth range is reversed: 0 where there is no surface. Later compute shaders may read and write
+// its images.
 void surface_pass_record(const gpu *g, const surface_pass *pass, const surface_camera *camera,
                          VkDescriptorSet field_set);
 

@@ -22,6 +22,6 @@ __all__ = ["Error", "FOUND", "Field", "Glossy", "HIT", "Image", "MISS", "Probes"
            "builtin_scenes", "compare", "join", "load_image", "open", "place", "render"]
 
 
-def open(path: "str | _os.PathLike[str]") -> Field:  # it hides Python's own in this module alone
+def open(path: "str | _os.PathLike[str]") -> Field:  # hides Python's open in this module alone
     """Open a field file. Raises Error."""
     return Field(path)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 class Handle:
     """An object of the library. Close it, or use it in a `with`; closing again does nothing."""
 
-    _release: str  # the function that releases it
+    _release: str  # name of the function that releases the handle
     _what: str
 
     def __init__(self, kind: Any):

@@ -15,7 +15,7 @@ from ctypes import (CFUNCTYPE, POINTER, c_bool, c_char, c_char_p, c_double, c_fl
 from types import SimpleNamespace
 from typing import Any
 
-# Words for enumerators, in the order of their values from 0, behind what their names in C begin with.
+# For each kind of enumerator: the prefix of its names in C, and the words of its values from 0.
 ENUMERATORS = {
     "bake_light": ("OLX_LIGHT_", ("cache", "reference")),
     "bounce_gather": ("OLX_GATHER_", ("solved", "irradiance", "traced")),
@@ -292,7 +292,7 @@ class SceneHandle(Opaque):
 _field, _scene, _sample = POINTER(FieldHandle), POINTER(SceneHandle), POINTER(SampleSettings)
 _vectors, _progress, _image = POINTER(Vec3), POINTER(Progress), POINTER(Image)
 
-# Result and arguments of each function that the package calls.
+# The result and the arguments of each function that the package calls.
 RUNTIME = {
     "olx_version": (c_char_p, []),
     "olx_last_error": (c_char_p, []),
@@ -452,7 +452,7 @@ class Watch:
     def _report(self, _user: Any, stage: bytes, done: float) -> bool:
         try:
             return self.function is None or self.function(stage.decode(), done) is not False
-        except BaseException as error:  # it comes up again once the call has ended
+        except BaseException as error:  # raised again once the call has returned
             self.raised = error
             return False
 

@@ -1,17 +1,19 @@
-# Sourced by tests of pictures whose indirect light comes from a Vulkan device (a CPU one will do): the same from the
-# CPU.
+# Sourced by tests that compare pictures whose indirect light comes from a Vulkan device (a CPU device will do) with
+# those of the CPU.
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
-# What drivers keep cannot be told by name once the loader has unloaded them; test_vulkan looks for leaks.
+# Allocations that drivers keep cannot be named once the loader has unloaded them, so leaks are not detected here;
+# test_vulkan looks for leaks.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
 
-# As texels, which devices read to the last bit. What lies between the colours of a block they round as they like.
+# The field is stored as texels, which every device reads exactly; devices may round the colours between the ends of a
+# block as they like.
 "$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 128 --irradiance-size 16 --bounces 1 --select cage,bricks \
   --uncompressed 2>stderr.txt
 most_error=1e-5
 
-# compare_devices SCENE FIELD OPTIONS...: every layer agrees, under the validation layers. A run compiles every shader,
-# which takes most of this test's time: so each shows several options at once.
+# compare_devices SCENE FIELD OPTIONS...: checks that every layer agrees, under the validation layers. A run compiles
+# every shader, which takes most of this test's time, so each run shows several options at once.
 compared=0
 compare_devices() {
   local scene=$1 field=$2

@@ -1,5 +1,5 @@
-# Helpers of the command line's tests: run the program as a user would and say what was expected of it.
-# Sourced; works in a folder of its own, which goes away at the end.
+# Helpers of the command line's tests: they run the program as a user would and check its exit code, output and files.
+# To be sourced; the test then works in a folder of its own, which is removed at the end.
 set -u
 : "${OCTALUX:?the program to test}"
 : "${OCTALUX_SOURCE_DIR:?the project}"
@@ -14,7 +14,7 @@ fail() {
   sed 's/^/    /' stdout.txt stderr.txt 2>/dev/null
 }
 
-# expect CODE ARGUMENTS...: run octalux; its output is in stdout.txt and stderr.txt.
+# expect CODE ARGUMENTS...: runs octalux and checks its exit code; its output is in stdout.txt and stderr.txt.
 expect() {
   local wanted=$1 code=0
   shift
@@ -22,7 +22,7 @@ expect() {
   [ "$code" = "$wanted" ] || fail "octalux $*: exit code $code, not $wanted"
 }
 
-# expect_usage PATTERN ARGUMENTS...: wrong usage, said in one line that matches.
+# expect_usage PATTERN ARGUMENTS...: checks that the arguments are refused as wrong usage, in one line that matches.
 expect_usage() {
   local pattern=$1
   shift
@@ -32,7 +32,7 @@ expect_usage() {
   grep -q -- "$pattern" stderr.txt || fail "octalux $*: no '$pattern' on standard error"
 }
 
-# expect_failure PATTERN ARGUMENTS...: a failure whose last line matches.
+# expect_failure PATTERN ARGUMENTS...: checks that the command fails and that its last line matches.
 expect_failure() {
   local pattern=$1
   shift
@@ -41,8 +41,8 @@ expect_failure() {
   tail -n 1 stderr.txt | grep -q -- "$pattern" || fail "octalux $*: no '$pattern' in the last line on standard error"
 }
 
-# expect_json EXPRESSION ARGUMENTS...: one JSON object on standard output, of which the Python expression on `o` is
-# true.
+# expect_json EXPRESSION ARGUMENTS...: checks that the command prints one JSON object `o` for which the Python
+# expression is true.
 expect_json() {
   local expression=$1
   shift
@@ -55,14 +55,14 @@ sys.exit(0 if eval("(" + sys.argv[1] + ")", {"o": o, "math": math}) else 1)
 PYTHON
 }
 
-# expect_files NAMES...: nothing else lies in the folder.
+# expect_files NAMES...: checks that the folder holds these files and no others.
 expect_files() {
   local found
   found=$(ls -A | grep -v -e '^stdout.txt$' -e '^stderr.txt$' | sort | tr '\n' ' ')
   [ "$found" = "$(printf '%s\n' "$@" | sed '/^$/d' | sort | tr '\n' ' ')" ] || fail "files: $found, not $*"
 }
 
-# await PROCESS PATTERN: until it stands on stderr.txt, or the process has ended.
+# await PROCESS PATTERN: waits until stderr.txt matches the pattern or the process has ended.
 await() {
   until grep -q -- "$2" stderr.txt || ! kill -0 "$1" 2>/dev/null; do sleep 0.05; done
 }

@@ -1,4 +1,4 @@
-# Check a JSON object on standard input against a Python expression over its keys.
+# Checks that a Python expression over the keys of the JSON object on standard input is true.
 holds() {
   python3 -c '
 import json, math, os, sys

@@ -1,11 +1,12 @@
-# Sourced by tests of the viewer: a field, pictures to be judged, calls of Vulkan that fail. A display of its own is
-# used, never the user's.
+# Sourced by tests of the viewer: helpers that check pictures, make calls of Vulkan fail, and start a display of their
+# own, so that the user's display is never used.
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 unset DISPLAY WAYLAND_DISPLAY
 [ -x "$(dirname "$OCTALUX")/octalux-view" ] || { echo "this build has no viewer"; exit 77; }
 
 program=$OCTALUX
-# Under the address sanitizer the drivers are kept loaded, so that a leak report can name what they keep (leaks.supp).
+# Under the address sanitizer the drivers stay loaded, so that a leak report can name the memory that they keep
+# (leaks.supp).
 if ldd "$OCTALUX" | grep -q libasan; then
   printf '#!/bin/sh\nexec env LD_PRELOAD="%s" ASAN_OPTIONS="%s:verify_asan_link_order=0" "%s" "$@"\n' \
     "$OCTALUX_FAULT_LAYER/libkeep_drivers.so" "${ASAN_OPTIONS:-}" "$OCTALUX" >kept
@@ -17,10 +18,10 @@ fi
   >stdout.txt 2>stderr.txt
 view=(view builtin:cornell-glossy --field cornell.olx --size 96x80)
 
-# check EXPRESSION FILE...: true of these pictures.
+# check EXPRESSION FILE...: checks that the expression is true of these pictures.
 check() { python3 "$OCTALUX_SOURCE_DIR/tests/read_png.py" "$@" || fail "pictures: $*"; }
 
-# fault CALL:NUMBER:RESULT ...: run with that call of Vulkan failing.
+# fault CALL:NUMBER:RESULT COMMAND...: runs the command with that call of Vulkan failing.
 fault() {
   local wish=$1
   shift
@@ -28,7 +29,7 @@ fault() {
 }
 lost=-4 out_of_memory=-2 out_of_date=-1000001004 surface_lost=-1000000000
 
-# A display of its own, or an end of the test where there is no Xvfb.
+# Starts an X server for this test alone, or ends the test where there is no Xvfb.
 start_display() {
   command -v Xvfb >/dev/null || { echo "no Xvfb here: windows are not tested"; finish; }
   Xvfb -displayfd 3 -screen 0 640x480x24 -nolisten tcp 3>display.txt 2>xvfb.txt &

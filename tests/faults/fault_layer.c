@@ -1,6 +1,6 @@
 // A Vulkan layer that makes one call fail: FAULT=submit:7:-4 lets the 7th vkQueueSubmit of the process return -4
 // (VK_ERROR_DEVICE_LOST). Calls are submit, memory (vkAllocateMemory), acquire and present; FAULT=version:1:0 makes
-// every device one of Vulkan 1.1. It counts for one device at a time.
+// every device report Vulkan 1.1. The layer serves one device at a time.
 #include <vulkan/vk_layer.h>
 
 #include <stdatomic.h>
@@ -22,7 +22,7 @@ static struct {
 
 static atomic_int calls;
 
-// Whether this call of `name` is the one to fail, and how.
+// Returns whether this call of `name` is the one to fail, and with which result.
 static int fault(const char *name) {
   const char *wish = getenv("FAULT");
   char wanted[16];
@@ -59,7 +59,7 @@ static VKAPI_ATTR void VKAPI_CALL describe(VkPhysicalDevice physical, VkPhysical
   if (strncmp(getenv("FAULT") ? getenv("FAULT") : "", "version:", 8) == 0) properties->apiVersion = VK_API_VERSION_1_1;
 }
 
-// The link of the chain that leads to the next layer.
+// Returns the link of the chain that leads to the next layer.
 static void *find_link(const void *chain, VkStructureType type) {
   for (VkLayerInstanceCreateInfo *link = (VkLayerInstanceCreateInfo *)chain; link;
        link = (VkLayerInstanceCreateInfo *)link->pNext) {

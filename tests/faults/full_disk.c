@@ -1,5 +1,5 @@
-// Preloaded, it stands for a disk that becomes full: after OCTALUX_DISK_BYTES bytes no regular file takes any more.
-// Space cannot be claimed beforehand.
+// Imitates a full disk when it is preloaded: after OCTALUX_DISK_BYTES bytes, writes to regular files fail. Space cannot
+// be reserved beforehand.
 #include <errno.h>
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// Plays, when it is preloaded, a file system without unnamed files (O_TMPFILE), so that a program has to give its
+// Imitates, when it is preloaded, a file system without unnamed files (O_TMPFILE), so that a program has to give its
 // temporary files names.
 #include <errno.h>
 #include <fcntl.h>

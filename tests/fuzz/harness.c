@@ -1,4 +1,5 @@
-// Gives the targets of coverage-guided fuzzing what they share: a folder, copies of inputs, memory and scenes.
+// Gives the targets of coverage-guided fuzzing their shared means: a folder, copies of inputs, counted memory and
+// checks of scenes.
 #include "harness.h"
 
 #include "cooked_scenes.h"

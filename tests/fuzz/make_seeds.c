@@ -1,4 +1,4 @@
-// Makes what coverage-guided fuzzing begins from: make_seeds FOLDER fills FOLDER/TARGET with small valid files of all
+// Makes the seeds of coverage-guided fuzzing: make_seeds FOLDER fills FOLDER/TARGET with small valid files of all
 // kinds.
 #include "cooked_scenes.h"
 #include "counted_memory.h"
@@ -31,7 +31,7 @@ static void demand(bool holds, const char *what) {
   exit(1);
 }
 
-// A path in the folder of a target, which lives until the next call.
+// Returns the path of a file in a target's folder, valid until the next call.
 static const char *path_of(const char *target, const char *name) {
   static char path[600];
   snprintf(path, sizeof path, "%s/%s", root, target);
@@ -96,7 +96,7 @@ static const seed_file *find(const seed_file seeds[SEED_COUNT], const char *name
   return seeds;
 }
 
-// A model, a byte of 0, and its materials.
+// Writes a model, a byte of 0, and its materials into one seed.
 static void make_obj(const seed_file seeds[SEED_COUNT]) {
   const seed_file *model = find(seeds, "square.obj"), *materials = find(seeds, "square.mtl");
   char both[8192];
@@ -154,7 +154,7 @@ static void make_probes(void) {
 
 int main(int argc, char **argv) {
   if (argc != 2) return fprintf(stderr, "usage: make_seeds FOLDER\n"), 2;
-  counted_memory_begin(); // which keeps warnings to itself
+  counted_memory_begin(); // also discards warnings
   root = argv[1];
   mkdir(root, 0777);
   make_fields();

@@ -15,7 +15,7 @@ static void replay(const char *path) {
   rewind(file);
   if (!bytes || fread(bytes, 1, size_bytes, file) != size_bytes) exit(1);
   fclose(file);
-  fprintf(stderr, "%s: %zu bytes\n", path, size_bytes); // the last line before a crash names the file
+  fprintf(stderr, "%s: %zu bytes\n", path, size_bytes); // names the file in the last line before a crash
   (void)LLVMFuzzerTestOneInput(bytes, size_bytes);
   free(bytes);
 }

@@ -1,5 +1,4 @@
-# replay.sh PROGRAMS-FOLDER TARGET: the seeds of a target of coverage-guided fuzzing, and what it found before, run
-# once.
+# replay.sh PROGRAMS-FOLDER TARGET: runs the seeds of a fuzzing target, and the inputs that failed before, once each.
 set -euo pipefail
 shopt -s nullglob
 TMPDIR=$(mktemp -d)

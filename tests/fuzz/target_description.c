@@ -1,4 +1,4 @@
-// Loads its input as a scene's description, beside models and images that it may name, for coverage-guided fuzzing.
+// Loads its input as a scene's description, beside models and images that it may refer to, for coverage-guided fuzzing.
 #include "harness.h"
 #include "scene_seeds.h"
 

@@ -13,6 +13,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size_bytes) {
   field_counts counts = {0};
   hostile_field_use(&d, bytes, size_bytes, &counts);
   free(bytes);
-  fuzz_end(size_bytes, 4096); // relighting and lists of boxes
+  fuzz_end(size_bytes, 4096); // a large factor, for relighting and lists of boxes
   return 0;
 }

@@ -1,4 +1,4 @@
-// Loads its input as glTF, as text and as .glb, beside an image that it may name, for coverage-guided fuzzing.
+// Loads its input as glTF, as text and as .glb, beside an image that it may refer to, for coverage-guided fuzzing.
 #include "harness.h"
 
 #include <string.h>

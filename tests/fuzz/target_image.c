@@ -1,5 +1,5 @@
-// Loads its input as a texture (JPEG, PNG, TGA, BMP), as an environment (HDR, EXR), and as what `compare` reads (EXR),
-// for coverage-guided fuzzing.
+// Loads its input as a texture (JPEG, PNG, TGA, BMP), as an environment (HDR, EXR), and as a picture for `compare`
+// (EXR), for coverage-guided fuzzing.
 #include "harness.h"
 #include "sound_scene.h"
 

@@ -1,5 +1,5 @@
-// Loads its input as OBJ and MTL for coverage-guided fuzzing: one input is the model, a byte of 0, and square.mtl,
-// which the model may name.
+// Loads its input as OBJ and MTL for coverage-guided fuzzing: the input holds the model, a byte of 0, and square.mtl,
+// which the model may refer to.
 #include "harness.h"
 
 #include <string.h>

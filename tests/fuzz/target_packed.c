@@ -1,5 +1,5 @@
-// Describes and unpacks its input as a packed field, for coverage-guided fuzzing; what comes out has the size that was
-// declared.
+// Describes and unpacks its input as a packed field, for coverage-guided fuzzing; the unpacked field has the declared
+// size.
 #include "harness.h"
 #include "sound_scene.h"
 

@@ -1,5 +1,5 @@
-// Prints what the runtime answers about a field, as lines of numbers: answers FIELD OUTPUT. It links nothing but the
-// runtime, so that full_ports.sh can run it on other machines and C libraries, and compare.
+// Prints what the runtime answers for queries of a field, as lines of numbers: answers FIELD OUTPUT. It links nothing
+// but the runtime, so that full_ports.sh can run it on other machines and C libraries, and compare.
 #include <octalux/octalux.h>
 #include <octalux/relight.h>
 
@@ -11,7 +11,7 @@
 
 enum { RAYS = 2048, FRAMES = 3, LINE_BYTES = 200 };
 
-// The output, grown line by line.
+// The output, which grows line by line.
 typedef struct text {
   char bytes[(4 * RAYS + 8) * LINE_BYTES];
   size_t length;
@@ -34,7 +34,7 @@ static bool failed(const char *what) {
   return false;
 }
 
-// Directions that spiral from pole to pole.
+// Returns directions that spiral from pole to pole.
 static olx_vec3 direction_of(uint32_t i) {
   const float z = 1.0f - (2.0f * (float)i + 1.0f) / RAYS, r = sqrtf(1.0f - z * z), angle = 2.3999632f * (float)i;
   return (olx_vec3){r * cosf(angle), z, r * sinf(angle)};
@@ -70,7 +70,7 @@ static bool say_sampling(text *t, const olx_field *field) {
   return true;
 }
 
-// A lamp in the middle of the probes takes the place of all lights.
+// Relights the field with a lamp in the middle of the probes in place of all lights, and prints the result.
 static bool say_relighting(text *t, const olx_field *field) {
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vec3 eye = olx_field_probe_position(field, 0);
@@ -92,7 +92,7 @@ static bool say_all(text *t, const olx_field *field) {
   return say_sampling(t, field) && say_relighting(t, field);
 }
 
-// By the library's files where it has them, else by C's.
+// Writes the text by the library's file functions where it has them, else by those of C.
 static bool write_text(const char *path, const text *t) {
   const olx_result result = olx_write_file(path, t->bytes, t->length);
   if (result == OLX_OK) return true;

@@ -75,7 +75,7 @@ uint cube_face(vec3 v) {
   return v.z > 0.0 ? 4u : 5u;
 }
 
-// The view of a distant lamp that covers a point: the nearest of its tiles.
+// Returns the view of a distant lamp that covers a point: the nearest of its tiles.
 uint tile_of(lamp l, vec3 point) {
   uint found = 0u;
   float nearest = 1e30;
@@ -98,8 +98,8 @@ uint view_of(lamp l, vec3 point) {
 
 float read_map(uint view, vec2 uv, float depth) { return texture(shadow_maps, vec4(uv, float(view), depth)); }
 
-// The visible share of a lamp from a point. The point is offset from its surface by about a texel; lamps without width
-// are filtered over 3 x 3 texels.
+// Returns the visible share of a lamp from a point. The point is offset from its surface by about a texel; lamps
+// without width are filtered over 3 x 3 texels.
 float visible(lamp l, vec3 point, vec3 normal, vec3 to_lamp, float distance) {
   uint view = view_of(l, point);
   float texel = views[view].texel * (l.kind == LAMP_DISTANT ? 1.0 : distance);
@@ -125,7 +125,7 @@ struct arrival {
   vec3 direction; // towards the lamp
   vec3 irradiance; // on a surface that faces the lamp
   float distance;
-  float sine; // of the half angle that the lamp subtends
+  float sine; // sine of the half angle that the lamp subtends
 };
 
 float cone(lamp l, vec3 to_lamp) {
@@ -148,7 +148,7 @@ arrival arrive(lamp l, vec3 point) {
   return a;
 }
 
-// GGX times the cosine at the light, like src/core/bsdf.h; view and light in the shading frame.
+// Returns GGX times the cosine at the light, like src/core/bsdf.h; view and light in the shading frame.
 vec3 specular(olx_bsdf b, float alpha, vec3 view, vec3 light) {
   if (view.z <= 0.0 || light.z <= 0.0) return vec3(0.0);
   vec3 half_way = normalize(view + light);

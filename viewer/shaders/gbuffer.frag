@@ -22,7 +22,7 @@ layout(location = 4) out vec4 out_color;
 
 const float MAX_ALBEDO = 0.95, MIN_NORMAL_COSINE = 0.01, MIN_VIEW_COSINE = 1e-3, LARGEST_HALF = 65504.0;
 
-// The normal in the map, in the tangent frame: x along increasing u, y along decreasing v.
+// Returns the normal in the map, in the tangent frame: x along increasing u, y along decreasing v.
 vec3 mapped_normal(raster_material m) {
   vec2 uv = uv_for(flags, SECOND_NORMAL, uvs);
   if ((m.flags & NORMAL_IS_HEIGHT) == 0u) {
@@ -35,8 +35,8 @@ vec3 mapped_normal(raster_material m) {
   return vec3(-rise_u * m.normal_scale, rise_v * m.normal_scale, 1.0);
 }
 
-// The directions of a normal map's x and y at a normal, from the vertices' tangents or, where there are none, from
-// texture coordinates.
+// Finds the directions of a normal map's x and y at a normal, from the vertices' tangents or, where there are none,
+// from texture coordinates.
 bool find_frame(vec3 n, out vec3 x, out vec3 y) {
   vec3 given = tangent.xyz - n * dot(tangent.xyz, n);
   if (tangent.w != 0.0 && length(given) > 1e-3) {
@@ -59,20 +59,20 @@ vec3 bend(raster_material m, vec3 n) {
   return size > 0.0 ? bent / size : n;
 }
 
-// Whether the object has been moved from its place in the scene.
+// Returns whether the object has been moved from its place in the scene.
 bool is_moved() {
   return to_world[0] != vec4(1.0, 0.0, 0.0, 0.0) || to_world[1] != vec4(0.0, 1.0, 0.0, 0.0) ||
          to_world[2] != vec4(0.0, 0.0, 1.0, 0.0);
 }
 
-// The interpolated vertex normal, on the side of the triangle's winding.
+// Returns the interpolated vertex normal, on the side of the triangle's winding.
 vec3 vertex_normal() {
   vec3 n = normalize(normal);
   float agreement = dot(n, outward);
   return agreement < 0.0 ? -n : agreement > 0.0 ? n : outward;
 }
 
-// The shading normal on the visible side, like that of the ray caster's surfaces.
+// Returns the shading normal on the visible side, like that of the ray caster's surfaces.
 vec3 shading_normal(raster_material m, vec3 to_eye, bool back) {
   vec3 n = vertex_normal();
   if ((m.flags & NORMAL_MAP) != 0u) n = bend(m, n);

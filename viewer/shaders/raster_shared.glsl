@@ -57,11 +57,11 @@ raster_rare rare_of(raster_material m, uint vertex, vec2 uv) {
   return raster_rare(vec4(1.0), vec4(0.0), vec4(uv, 0.0, 0.0));
 }
 
-// The coordinates of a texture: xy are those of most textures, zw the second set.
+// Returns the coordinates of a texture: xy are those of most textures, zw the second set.
 vec2 uv_for(uint flags, uint second, vec4 uvs) { return (flags & second) != 0u ? uvs.zw : uvs.xy; }
 
-// Whether the surface is opaque. The mask is read at its finest level, because coarser ones would thin out leaves with
-// distance.
+// Returns whether the surface is opaque. The mask is read at its finest level, because coarser ones would thin out
+// leaves with distance.
 bool mask_present(raster_material m, vec4 uvs, float vertex_alpha) {
   float cutoff = m.emission_cutoff.a;
   if (cutoff <= 0.0) return true;

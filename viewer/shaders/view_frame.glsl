@@ -19,15 +19,15 @@ vec3 srgb(vec3 linear) {
   return mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, greaterThan(linear, vec3(0.0031308)));
 }
 
-// The tone map of the library's .png files.
+// Applies the tone map of the library's .png files.
 vec3 tone(vec3 radiance) {
   const float knee = 0.6, rest = 1.0 - knee;
   vec3 x = max(radiance * view.exposure, vec3(0.0));
   return srgb(mix(x, knee + rest * (1.0 - exp((knee - x) / rest)), greaterThan(x, vec3(knee))));
 }
 
-// The light that a texel of a light field probe sends to the probe: as stored, or from its surface in a field without
-// probe light.
+// Returns the light that a texel of a light field probe sends to the probe: as stored, or from its surface in a field
+// without probe light.
 vec3 seen_light(uint probe, ivec2 texel) {
   ivec3 map = olx_map_origin(probe);
   if (olx_field.irradiance_grid.count.w != 0u) return olx_texel_radiance(map, texel);
@@ -40,14 +40,14 @@ vec3 seen_light(uint probe, ivec2 texel) {
 
 vec3 hue(float h) { return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0); }
 
-// A colour for an index; neighbouring indices get clearly different colours.
+// Returns a colour for an index; neighbouring indices get clearly different colours.
 vec3 probe_color(uint probe) {
   float h = fract(float(probe) * 0.61803399 + 0.04);
   float pale = 0.25 + 0.25 * float(probe / 3u % 2u), dim = probe / 7u % 3u == 1u ? 0.75 : 1.0;
   return mix(hue(h), vec3(1.0), pale) * dim;
 }
 
-// A heat map for 0 to 1: dark violet over red and orange to pale yellow.
+// Returns the colour of a heat map for 0 to 1: dark violet over red and orange to pale yellow.
 vec3 heat(float x) {
   const vec3 stops[6] = vec3[6](vec3(0.03, 0.02, 0.12), vec3(0.30, 0.07, 0.48), vec3(0.66, 0.18, 0.44),
                                 vec3(0.94, 0.38, 0.27), vec3(0.99, 0.70, 0.32), vec3(0.99, 0.98, 0.75));

@@ -14,10 +14,11 @@ const vec3 SKIPPED = vec3(1.0, 0.55, 0.05), READ = vec3(0.2, 0.95, 0.3), BEGIN =
 
 float line(float pixels, float width) { return clamp(width - abs(pixels) + 0.5, 0.0, 1.0); }
 
-// Distance in pixels from the nearest grid line; lines are at integers of x, and one unit of x is `a_line` pixels.
+// Returns the distance in pixels from the nearest grid line; lines are at integers of x, and one unit of x is `a_line`
+// pixels.
 float from_grid(float x, float a_line) { return abs(fract(x + 0.5) - 0.5) * a_line; }
 
-// Whether the march skips a block, because the ray is nearer than everything in it.
+// Returns whether the march skips a block, because the ray is nearer than everything in it.
 bool skips(inout olx_march m, olx_piece p, float s) {
   int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level);
   ivec2 block = ivec2(olx_texel_at(p.u, s, true), olx_texel_at(p.v, s, true)) >> shift;

@@ -1,9 +1,9 @@
 #version 460
-// Meters the image: the mean logarithm of its luminance over a regular lattice of pixels. Black pixels, as where
-// nothing is visible, do not count.
+// Meters the image: the mean logarithm of its luminance over a regular lattice of pixels. Black pixels, such as those
+// without a surface, do not count.
 
 #define SIDE 16
-#define PLACES 4 // per thread, along each axis
+#define PLACES 4 // pixels of a thread along each axis
 
 layout(local_size_x = SIDE, local_size_y = SIDE) in;
 
@@ -17,7 +17,7 @@ const float BLACK = 1e-5;
 
 shared vec2 sums[SIDE * SIDE];
 
-// x: the logarithm to base 2; y: whether the pixel counts.
+// Returns the logarithm to base 2 of a pixel's luminance in x, and in y whether the pixel counts.
 vec2 look(ivec2 place) {
   vec3 c = imageLoad(light, place).rgb;
   float luminance = dot(c, vec3(0.2126, 0.7152, 0.0722));

@@ -5,8 +5,8 @@
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
-// The colours of the surrounding irradiance probes, weighted by their interpolation weights. Black where no probe sees
-// the point.
+// Returns the colours of the surrounding irradiance probes, weighted by their interpolation weights. Black where no
+// probe sees the point.
 vec3 weights(vec3 position, vec3 normal) {
   olx_sample_settings settings = view_settings(false);
   vec3 to_eye = olx_normalize(view.eye.xyz - position);

@@ -12,7 +12,7 @@ layout(set = 1, binding = VIEW_BINDING_PICK, std430) buffer pick_block { view_gp
 
 struct pixel_ray {
   vec3 origin, direction;
-  vec3 normal; // of the surface that it leaves; 0 for the eye
+  vec3 normal; // normal of the surface that the ray leaves; 0 for rays from the eye
 };
 
 vec3 unproject(ivec2 pixel, float depth) {
@@ -21,13 +21,13 @@ vec3 unproject(ivec2 pixel, float depth) {
   return world.xyz / world.w;
 }
 
-// The ray from the eye through the pixel.
+// Returns the ray from the eye through the pixel.
 pixel_ray eye_ray(ivec2 pixel) {
   return pixel_ray(view.eye.xyz, olx_normalize(unproject(pixel, 1.0) - view.eye.xyz), vec3(0.0));
 }
 
-// The ray that overlays show: the mirror ray at the surface of a pixel, or the ray from the eye. Returns false when the
-// pixel has none.
+// Finds the ray that overlays show: the mirror ray at the surface of a pixel, or the ray from the eye. Returns false
+// when the pixel has none.
 bool told_ray(ivec2 pixel, out pixel_ray ray) {
   ray = eye_ray(pixel);
   if (has_flag(VIEW_FLAG_EYE_RAYS)) return true;

@@ -1,11 +1,12 @@
 // Direct light for the picture: a spot light with a shadow for each of the strongest lamps. A lamp is a connected set
-// of triangles that emit.
+// of emissive triangles.
 import { Box3, Color, SpotLight, Vector3 } from 'three';
 
 const MOST_LAMPS = 3;
 const SHADOW_TEXELS = 1024, SUN_SHADOW_TEXELS = 2048;
 
-// The representative of each vertex's set, when corners of triangles at one place are one vertex.
+// Finds the representative of each vertex's connected set; corners of triangles at the same position count as one
+// vertex.
 function connect(geometry) {
   const { index, attributes: { position } } = geometry, parent = new Map();
   const key = (corner) => [0, 1, 2].map((i) => position.getComponent(index.getX(corner), i).toFixed(5)).join();
@@ -47,14 +48,14 @@ function spotOf(lamp, size) {
   light.shadow.mapSize.set(SHADOW_TEXELS, SHADOW_TEXELS);
   light.shadow.camera.near = 0.004 * size;
   light.shadow.camera.far = 2 * size;
-  light.shadow.focus = 0.78; // a map of the whole half space would have no texels to spare for its middle
+  light.shadow.focus = 0.78; // narrower than the half space, whose map would have too few texels in the middle
   light.shadow.bias = -0.002;
   light.shadow.normalBias = 0.004 * size;
   light.shadow.radius = 6;
   return light;
 }
 
-// The sun's shadow over all of the room: as glTF has it, the light shines along its own -z.
+// Fits the sun's shadow to the whole room. As in glTF, the light shines along its own -z.
 function shadeSun(light, bounds) {
   const middle = bounds.getCenter(new Vector3()), radius = bounds.getSize(new Vector3()).length() / 2, { shadow } = light;
   const back = new Vector3(0, 0, 1).applyQuaternion(light.quaternion);

@@ -1,4 +1,4 @@
-// The page that `octalux export web` writes: a room, its field, and things to do with both.
+// The page that `octalux export web` writes: a room, its field, and controls for both.
 import {
   ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
   PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
@@ -14,19 +14,20 @@ const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHA
 const byId = (id) => document.getElementById(id);
 const seconds = () => performance.now() / 1000;
 
-// What the page tells those who look from outside: tests, and whoever opens the console.
+// State that the page shows to tests, and to users of the console.
 const state = { stage: 'loading', diffuseSeconds: null, glossySeconds: null, frames: 0 };
 
 const renderer = new WebGLRenderer({ canvas: byId('view'), antialias: false, powerPreference: 'high-performance' });
 renderer.toneMapping = ACESFilmicToneMapping;
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = PCFShadowMap;
-renderer.shadowMap.autoUpdate = false; // they change with the ball alone
-const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene]; // drawn one after the other
-const picture = new Picture(renderer), shadowed = new Vector3(NaN); // where the ball was when shadows were drawn
+renderer.shadowMap.autoUpdate = false; // shadows change with the ball alone
+// The scenes of `scenes` are drawn one after the other.
+const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene];
+const picture = new Picture(renderer), shadowed = new Vector3(NaN); // position of the ball when shadows were last drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
 let glossyMoves = true; // whether reflections are drawn while things move
-let pending = null, begun = 0; // what the device still draws, and since when
+let pending = null, begun = 0; // fence of the frame that the device is drawing, and its start
 
 function changed() {
   lastChange = seconds();
@@ -67,7 +68,7 @@ function sizeOf(root) {
   return new Box3().setFromObject(root).getSize(new Vector3()).length();
 }
 
-// The scene's own camera, or one in the middle of the field that looks along -z.
+// Makes a camera like the scene's own, or one in the middle of the field that looks along -z.
 function makeCamera(gltf, size) {
   const given = gltf.cameras[0], made = new PerspectiveCamera(given?.fov ?? 60, 1, 0.001 * size, 4 * size);
   if (given) given.getWorldPosition(made.position), given.getWorldQuaternion(made.quaternion);
@@ -106,7 +107,7 @@ function resize() {
   renderer.setPixelRatio(ratio);
   renderer.setSize(width, height, false);
   camera.aspect = width / height;
-  // Upright screens see as far to the sides as square ones do.
+  // Upright screens show as much to the sides as square ones do.
   const tangent = Math.tan((camera.userData.fov * Math.PI) / 360) / Math.min(camera.aspect, 1) ** 0.6;
   camera.fov = (Math.atan(tangent) * 360) / Math.PI;
   camera.updateProjectionMatrix();
@@ -120,8 +121,9 @@ function resizePicture(by) {
 
 const isMoving = () => seconds() - lastChange < STILL_SECONDS;
 
-// While things move, pictures are as large as frames of this length allow, and have no reflections where the smallest
-// ones are too slow. Once all is still they are whole, and as many rows at a time are drawn as that length allows.
+// While things move, pictures are as large as this length of a frame allows, and have no reflections where even the
+// smallest pictures are too slow. When all is still, pictures have full size, and as many rows at a time are drawn as
+// that length allows.
 function chooseSize(frameSeconds, moving) {
   const more = SLOWEST_FRAME / Math.max(frameSeconds, 1e-3);
   if (moving && scale === LEAST_SCALE && frameSeconds > TOO_SLOW) glossyMoves = false;
@@ -133,7 +135,7 @@ function chooseSize(frameSeconds, moving) {
 
 function place() {
   if (carried !== null) ball.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new Vector3()), carried);
-  ball.position.clamp(...ball.userData.bounds); // beyond, there is no light to take
+  ball.position.clamp(...ball.userData.bounds); // outside these bounds the field has no light
   if (!shadowed.equals(ball.position)) renderer.shadowMap.needsUpdate = true;
   shadowed.copy(ball.position);
   const split = byId('split');
@@ -141,8 +143,8 @@ function place() {
   byId('line').style.left = `${split.value / 10}%`;
 }
 
-// Whether the device is still at what it was given last. Calls return long before it is done, so that nothing else
-// tells how long a frame takes, and more would pile up behind it.
+// Returns whether the device is still drawing the last frame. Calls return long before it is done, so only this shows
+// how long a frame takes, and without it frames would queue up.
 function isBusy() {
   const gl = renderer.getContext();
   if (!pending || gl.getSyncParameter(pending, gl.SYNC_STATUS) !== gl.SIGNALED) return pending !== null;
@@ -173,18 +175,18 @@ function draw() {
   state.frames++;
 }
 
-// ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while one
-// looks around.
+// ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while the
+// user looks around.
 
-// A small picture first: frames tell how much a device can draw at a time.
+// Draws a small picture first: the time of frames shows how much the device can draw.
 function drawFirst() {
   place();
   resizePicture(LEAST_SCALE);
   picture.draw(scenes, camera, field);
 }
 
-// A shader for each set of textures would be as many to compile, and one takes long: so where one surface has a
-// texture, all do.
+// Gives every material the same set of textures, white ones where it has none: each set needs a shader of its own, and
+// compiling one takes long.
 function fillTextures() {
   const materials = new Set(), white = new DataTexture(new Uint8Array(4).fill(255), 1, 1);
   white.needsUpdate = true;
@@ -195,8 +197,8 @@ function fillTextures() {
   }
 }
 
-// Depth before light, so that what is hidden is not lit. It lies a little behind the surfaces, which are drawn by other
-// shaders.
+// Draws depth before light, so that hidden surfaces are not lit. It is slightly behind the surfaces, which are drawn by
+// other shaders.
 function addDepth() {
   const made = new Map();
   room.updateMatrixWorld();
@@ -210,7 +212,7 @@ function addDepth() {
   });
 }
 
-// Adds a mesh to `target` with the triangles and the place of `mesh`, and another material.
+// Adds a mesh to `target` with the triangles and the position of `mesh`, and another material.
 function addOver(target, mesh, material) {
   const over = new Mesh(mesh.geometry, material);
   over.matrixAutoUpdate = false;
@@ -218,7 +220,7 @@ function addOver(target, mesh, material) {
   target.add(over);
 }
 
-// Lights cost a shader more than the field does, so glossy light has a scene without any.
+// Lights take more time in a shader than the field does, so glossy light has a scene without lights.
 function addDiffuseLight() {
   const lit = new Map();
   room.traverse((mesh) => {
@@ -233,14 +235,15 @@ function addGlossyLight() {
     const reflects = mesh.isMesh && (mesh.material.metalness > 0 || (mesh.material.specularIntensity ?? 1) > 0);
     if (!reflects) return;
     if (!made.has(mesh.material)) {
-      const shiny = Object.assign(mesh.material.clone(), { alphaTest: 0, emissiveMap: null }); // depth has what both would say
+      // Depth decides which parts are cut out, and the diffuse scene has the emission.
+      const shiny = Object.assign(mesh.material.clone(), { alphaTest: 0, emissiveMap: null });
       made.set(mesh.material, field.light(shiny, { part: 'glossy' }));
     }
     addOver(shine, mesh, made.get(mesh.material));
   });
 }
 
-// Without the extension three.js would warn of it.
+// Without the extension three.js would print a warning.
 async function compile(what) {
   if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(what, camera);
 }
@@ -329,8 +332,8 @@ async function start() {
   byId('loading').hidden = true;
 }
 
-// A layer of indirect light alone as `octalux render --centered` has it with so many glossy samples: RGBA floats in
-// base64.
+// Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples: RGBA
+// floats in base64.
 function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();

@@ -20,7 +20,7 @@ function pass(fragmentShader, uniforms, options) {
   return { scene, uniforms };
 }
 
-// A number in [0, 1) of a low-discrepancy sequence.
+// Returns a number in [0, 1) of a low-discrepancy sequence.
 function halton(index, base) {
   let result = 0;
   for (let share = 1 / base; index > 0; index = Math.floor(index / base), share /= base) result += share * (index % base);
@@ -31,7 +31,7 @@ export class Picture {
   constructor(renderer) {
     this.renderer = renderer;
     this.camera = new OrthographicCamera();
-    // One format for all that is drawn with a field: drivers compile shaders anew for another one.
+    // All passes with a field draw to this one format, since drivers compile shaders again for another one.
     const floats = ['EXT_color_buffer_float', 'EXT_float_blend'].every((name) => renderer.extensions.has(name));
     this.type = floats ? FloatType : HalfFloatType;
     this.frame = new WebGLRenderTarget(1, 1, { type: this.type });
@@ -39,7 +39,7 @@ export class Picture {
     this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: FloatType, depthBuffer: false });
     this.adding = pass(ADD, { image: { value: this.frame.texture }, share: { value: 1 } }, { transparent: true, toneMapped: false });
     this.showing = pass(SHOW, { image: { value: this.mean.texture } }, {});
-    this.count = this.rows = 0; // frames in the mean, and rows of the next one that are drawn
+    this.count = this.rows = 0; // frames in the mean, and drawn rows of the next frame
   }
 
   get settled() {
@@ -56,7 +56,7 @@ export class Picture {
     this.restart();
   }
 
-  // Each scene over those before.
+  // Draws each scene over the earlier ones.
   #render(scenes, camera, target) {
     this.renderer.setRenderTarget(target);
     scenes.forEach((scene, i) => {
@@ -66,8 +66,8 @@ export class Picture {
     this.renderer.autoClear = true;
   }
 
-  // Draws a share of the next frame's rows. A whole frame, shifted by part of a pixel, joins the mean; until then the
-  // last one is shown.
+  // Draws a share of the next frame's rows. A complete frame, shifted by a part of a pixel, joins the mean; until then
+  // the previous mean is shown.
   draw(scenes, camera, field, share = 1) {
     const { width, height } = this.frame, index = this.count, end = Math.min(this.rows + Math.ceil(share * height), height);
     this.frame.scissorTest = true;
@@ -81,7 +81,7 @@ export class Picture {
     this.renderer.setRenderTarget(null);
   }
 
-  // Adds the frame to those before it, and shows the mean.
+  // Adds the frame to the earlier ones, and shows the mean.
   #show(index) {
     this.mean.setSize(this.frame.width, this.frame.height);
     this.adding.uniforms.share.value = 1 / (index + 1);
@@ -94,7 +94,7 @@ export class Picture {
     this.count++;
   }
 
-  // The geometric mean of luminance over what was drawn last.
+  // Returns the geometric mean of luminance over the frame that was drawn last.
   meanLuminance() {
     const pixels = new Float32Array(4 * PROBE_SIZE ** 2);
     this.adding.uniforms.share.value = 1;
@@ -105,14 +105,14 @@ export class Picture {
     let sum = 0, count = 0;
     for (let i = 0; i < pixels.length; i += 4) {
       const luminance = 0.2126 * pixels[i] + 0.7152 * pixels[i + 1] + 0.0722 * pixels[i + 2];
-      if (!(luminance > 1e-5)) continue; // darkness beside the room
+      if (!(luminance > 1e-5)) continue; // darkness outside the room
       sum += Math.log(luminance);
       count++;
     }
     return count ? Math.exp(sum / count) : 1;
   }
 
-  // The mean of so many frames that are not shifted, linear: RGBA, rows from the bottom up.
+  // Returns the mean of `frames` frames that are not shifted, in linear light: RGBA, rows from the bottom up.
   read(scenes, camera, field, width, height, frames) {
     const target = new WebGLRenderTarget(width, height, { type: this.type });
     const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);

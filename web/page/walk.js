@@ -25,7 +25,7 @@ export class Walk {
     this.changed();
   }
 
-  // What keys that are held do in so many seconds.
+  // Applies the keys that are held for `seconds`.
   advance(seconds) {
     for (const code of this.held) this.#press(code, seconds);
   }
@@ -35,7 +35,7 @@ export class Walk {
     if (TURNS[code]) this.#turn(...TURNS[code].map((way) => way * RADIANS_A_SECOND * seconds));
   }
 
-  // Along the camera's axes, ahead and sideways on the level.
+  // Moves along the camera's axes, with `right` and `back` horizontal.
   #go(right, up, back) {
     const heading = new Euler().setFromQuaternion(this.camera.quaternion, 'YXZ').y;
     this.camera.position.add(new Vector3(right, up, back).applyAxisAngle(new Vector3(0, 1, 0), heading));
@@ -54,7 +54,8 @@ export class Walk {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches?.('input')) return;
     if (!MOVES[event.code] && !TURNS[event.code]) return;
     event.preventDefault();
-    if (down && !event.repeat) this.#press(event.code, TAP_SECONDS); // even when it is up again before the next frame
+    // Moves at least this far, even if the key is released before the next frame.
+    if (down && !event.repeat) this.#press(event.code, TAP_SECONDS);
     if (down) this.held.add(event.code);
     else this.held.delete(event.code);
   }

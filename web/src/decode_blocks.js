@@ -24,8 +24,8 @@ function reserve(memory, bytes) {
 }
 
 /**
- * Decodes maps of n x n texels: bytes of RGBA for `base`, of RG for `specular`, half floats of RGBA for light. Map after map, rows from
- * the first on.
+ * Decodes maps of n x n texels: bytes of RGBA for `base`, of RG for `specular`, half floats of RGBA for light. Maps follow each
+ * other, with rows from the first on.
  * @param {'base'|'specular'|'direct'|'indirect'} kind
  * @param {Uint8Array} blocks of all maps
  * @param {number} n texels along a side of a map

@@ -1,17 +1,17 @@
-/** What is wrong with a file that is no field, or one that this reader cannot use. */
+/** The error for a file that is no field, or one that this reader cannot use. */
 export class FieldError extends Error {}
 
 export interface FieldGrid {
-  /** Metres. */
+  /** In metres. */
   origin: number[];
   spacing: number[];
-  /** Probes along x, y and z. */
+  /** Number of probes along x, y and z. */
   count: number[];
 }
 
 export interface FieldInfo {
   probes: number;
-  /** Light field probes inside geometry. */
+  /** Number of light field probes inside geometry. */
   buried: number;
   irradianceProbes: number;
   volumeProbes: number;
@@ -20,10 +20,10 @@ export interface FieldInfo {
   bounces: number;
   /** The share of indirect light that has all bounces behind it. */
   lastBounce: number;
-  /** A bit for each of `select`. */
+  /** A bit for each selector of `select`. */
   selectMask: number;
   select: ('cage' | 'voronoi' | 'octree' | 'bricks')[];
-  /** Metres. */
+  /** In metres. */
   distanceScale: number;
   sceneMin: number[];
   sceneMax: number[];
@@ -37,19 +37,19 @@ export interface FieldInfo {
   fileBytes: number;
 }
 
-/** A field file, its arrays as they lie there (docs/format.md). */
+/** A field file, with its arrays as they are stored (docs/format.md). */
 export interface ParsedField {
   info: FieldInfo;
-  /** In scene coordinates, metres; every position is relative to it. */
+  /** In scene coordinates, in metres; every position is relative to it. */
   origin: number[];
-  /** x, y, z of each light field probe, metres. */
+  /** x, y, z of each light field probe, in metres. */
   positions: Float32Array;
   /** Bit 0: inside geometry. */
   flags: Uint8Array;
-  /** Of texels; undefined where geometry is in blocks. */
+  /** Normals of texels; undefined where geometry is in blocks. */
   normals?: Uint16Array;
   distances?: Uint16Array;
-  /** Blocks of four words, and the planes that they name, of two words. */
+  /** Blocks of four words; `planes` holds the planes that they name, of two words. */
   geometry?: Uint32Array;
   planes?: Uint32Array;
   pyramid: { levels: number; first: number[]; nodes: number };

@@ -11,7 +11,7 @@ const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA 
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
 
-/** What is wrong with a file that is no field, or one that this reader cannot use. */
+/** The error for a file that is no field, or one that this reader cannot use. */
 export class FieldError extends Error {
   constructor(message) {
     super(message);
@@ -90,8 +90,8 @@ function checkInfo(info) {
   need(!info.grid || info.grid.count.reduce((a, b) => a * b) === probes, 'a grid of another number of probes');
 }
 
-// Where the levels of a probe's pyramid of smallest distances begin, the finest first, and its nodes. Geometry blocks
-// take the place of the finest level where there is another.
+// Computes where the levels of a probe's pyramid of smallest distances begin, the finest first, and the number of its
+// nodes. Geometry blocks replace the finest level when there is another one.
 function pyramidOf(n, overBlocks) {
   const sides = NODE_SIDES.filter((side) => side === 4 || n >= 4 * side), first = [];
   let nodes = 0;
@@ -106,7 +106,7 @@ function pyramidOf(n, overBlocks) {
 /** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it. Throws a FieldError. */
 export function parseField(buffer) {
   const view = new DataView(buffer), chunks = readChunks(view);
-  // A chunk as an array of so many elements; `length` null: as many as there are, which may be none.
+  // Returns a chunk as an array of `length` elements; with null, of as many as the chunk has, which may be 0.
   const array = (type, Kind, length) => {
     const chunk = chunks.get(type);
     need(chunk, `chunk ${type} is missing`);
@@ -156,7 +156,7 @@ export function parseField(buffer) {
   return field;
 }
 
-// Shaders trust counts of bricks and of the volume: lists that they name lie within the chunk.
+// Checks counts of bricks and of the volume, which shaders trust: every list must be inside its chunk.
 function checkParts({ bricks, volume, tiles, lights, planes, info }) {
   need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
   need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');

@@ -7,22 +7,23 @@ import { patchShader } from './shading.js';
 import { fieldUniforms } from './textures.js';
 
 const PARTS = ['all', 'diffuse', 'glossy'];
-// How glossy light alone is added to what is drawn: once, not back and front in turn, for which there would be two
-// shaders.
+// Material settings that add glossy light alone to the drawn picture, in one pass, since separate passes for back and
+// front would need two shaders.
 const ADDED = {
   transparent: true, forceSinglePass: true, blending: CustomBlending, blendEquation: AddEquation, blendSrc: OneFactor, blendDst: OneFactor,
   depthWrite: false, depthFunc: EqualDepth,
 };
 const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
 
-// The selector that answers for a field, as OLX_SELECT_BEST in octalux/sample.h.
+// Returns the selector of a field, as OLX_SELECT_BEST in octalux/sample.h.
 function selectorOf(mask) {
   if (mask & CAGE) return 'OLX_SELECT_CAGE';
   if (mask & BRICKS) return 'OLX_SELECT_BRICKS';
   return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
 }
 
-// The body of a response as one buffer; `onProgress` hears how many bytes of how many have come.
+// Reads the body of a response as one buffer; `onProgress` receives the number of bytes loaded, and their total as far
+// as it is known.
 async function readBody(response, onProgress) {
   const total = Number(response.headers.get('content-length')) || 0, parts = [];
   let loaded = 0;
@@ -84,7 +85,7 @@ export class OctaluxField {
     return new OctaluxField(parsed, await fieldUniforms(parsed, renderer));
   }
 
-  /** Where the field's origin lies in the world. */
+  /** Position of the field's origin in the world. */
   get offset() {
     return this.uniforms.olx_offset.value;
   }

@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: MIT
 import { LIBRARY } from './library.js';
 
-// Glossy light is added where depths are equal, by another shader than drew them.
+// Glossy light is added where depths are equal, although another shader drew them, so positions must be invariant.
 const VERTEX_DECLARATIONS = 'invariant gl_Position;\nvarying vec3 olx_world_position;\n';
 
 const VERTEX = `
@@ -113,7 +113,7 @@ function replaceOnce(text, chunk, replacement) {
   return parts.join(replacement);
 }
 
-/** Changes the shader of a standard or physical material, as onBeforeCompile gives it. */
+/** Changes the shader of a standard or physical material, which onBeforeCompile receives. */
 export function patchShader(shader, uniforms, { defines, moving, part }) {
   Object.assign(shader.uniforms, uniforms);
   const define = (name, wanted) => (wanted ? `#define ${name}\n` : '');

@@ -32,8 +32,8 @@ const TEXELS = {
   indirect: { format: RGBFormat, type: UnsignedInt5999Type, channels: 1 },
 };
 
-// How many maps lie beside each other in a layer, so that layers are not too many and not too large; one where that
-// will do.
+// Returns the number of maps beside each other in a layer that keeps the number of layers and their size within limits;
+// one if possible.
 export function mapsASide(maps, stride, limits) {
   for (let side = 1; side * stride <= limits.size; side++) {
     if (Math.ceil(maps / side ** 2) <= limits.layers) return side;
@@ -41,7 +41,7 @@ export function mapsASide(maps, stride, limits) {
   throw new FieldError(`${maps} maps of ${stride} x ${stride} texels do not fit into ${limits.layers} layers of ${limits.size} x ${limits.size}`);
 }
 
-// Maps, one after the other as rows of `elements` elements, as layers that hold side x side of them.
+// Arranges maps, each given as rows of `elements` elements one after the other, in layers of side x side maps.
 export function tile(data, maps, elements, rows, side) {
   if (side === 1) return data;
   const layers = Math.ceil(maps / side ** 2), tiled = new data.constructor(layers * side ** 2 * rows * elements);
@@ -83,7 +83,7 @@ async function surfaceMaps(field, kind, side, renderer) {
   return texelMaps(await decodeBlocks(kind, data, n), probes, n, side, DECODED[kind]);
 }
 
-// A flat array in rows of an image.
+// Puts a flat array into the rows of an image.
 function rowsOf(data, channels, format) {
   const rows = Math.max(Math.ceil(data.length / (ROW * channels)), 1), padded = new Uint32Array(rows * ROW * channels);
   padded.set(data);
@@ -99,14 +99,14 @@ function probeWords({ info, positions, flags }) {
   return words;
 }
 
-// As words, the last one filled up with zeros.
+// Copies an array as words, with the last word padded with zeros.
 function wordsOf(array) {
   const words = new Uint32Array(Math.ceil(array.byteLength / 4));
   new Uint8Array(words.buffer).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
   return words;
 }
 
-// Everything that lies there as words, and where each part begins.
+// Concatenates all parts that shaders read as words, and computes where each part begins.
 export function layOutWords(field) {
   const lights = field.lights.length / LIGHT_WORDS > MOST_HIGHLIGHTS ? new Uint32Array(0) : field.lights, none = new Uint32Array(0);
   const parts = {
@@ -171,7 +171,7 @@ function constants(field, { first, lights }, side) {
   };
 }
 
-// Distances and normals of texels, or geometry blocks in the place of distances, and then no normals.
+// Makes textures of distances and normals, or of geometry blocks, which replace both.
 function geometryMaps(field, side) {
   const { probes, radianceSize: n } = field.info, half = { format: RedIntegerFormat, type: UnsignedShortType, channels: 1 };
   if (field.geometry) {

@@ -1,4 +1,4 @@
-// What a program in TypeScript may write, and what it may not; compiled, not run.
+// Statements that TypeScript must accept, and some that it must reject; compiled, not run.
 import { Group, MeshBasicMaterial, MeshPhysicalMaterial, MeshStandardMaterial, WebGLRenderer } from 'three';
 import { FieldError, OctaluxField, parseField } from '../dist/index.js';
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What the passes read for a pixel: the diffuse light's filtered reads and texels, the glossy ray's fetches, steps and
-// probes.
+// Counts what the passes read for a pixel: the diffuse light's filtered reads and texels, the glossy ray's fetches,
+// steps and probes.
 #include "bench_surface.glsl"
 
 float depth_at(ivec2 pixel) { return texelFetch(depths, pixel, 0).r; }
@@ -32,7 +32,7 @@ vec4 counted_fetch(sampler2DArray maps, ivec3 at, int lod) {
 struct pixel_counts {
   uint filtered, fetched, steps, probes;
   uint surface, ray, unknown, texels;
-  float light; // kept, or compilers would drop the reads
+  float light; // stored, since compilers would otherwise remove the reads
 };
 
 layout(set = 1, binding = 4, std430) writeonly buffer counts { pixel_counts of_pixel[]; };

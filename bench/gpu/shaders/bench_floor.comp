@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The least that a pass can do: read the surface, read as many texels of the field's maps as any algorithm of its kind
-// must, and write. For diffuse light four texels of one probe, each of distance, normal and irradiance; for glossy
-// light one texel of each.
+// Does the least work that a pass can do: it reads the surface and as many texels of the field's maps as any algorithm
+// of its kind must, and writes. For diffuse light these are four texels of one probe, each of distance, normal and
+// irradiance; for glossy light one texel of each.
 #include "bench_surface.glsl"
 #include <shaders/lib/octalux.glsl>
 

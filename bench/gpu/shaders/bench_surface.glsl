@@ -12,7 +12,7 @@ layout(set = 1, binding = 3) uniform sampler2D surfaces; // roughness, metallic,
 layout(push_constant) uniform constants {
   mat4 clip_to_world;
   vec3 eye;
-  uint width, height, stride; // of the pixels looked at
+  uint width, height, stride; // size in pixels, and the distance between sampled pixels
   uint tracer, select, kind;
 };
 

@@ -1,4 +1,4 @@
-// What src/block wants of libm, where there is none: instructions of WebAssembly.
+// The functions of libm that src/block needs, where there is no libm: instructions of WebAssembly.
 #ifndef OLX_FREESTANDING_MATH_H
 #define OLX_FREESTANDING_MATH_H
 

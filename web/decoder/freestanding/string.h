@@ -1,4 +1,4 @@
-// What src/block wants of libc, where there is none: compilers make instructions of it.
+// The functions of libc that src/block needs, where there is no libc: compilers replace them by instructions.
 #ifndef OLX_FREESTANDING_STRING_H
 #define OLX_FREESTANDING_STRING_H
 

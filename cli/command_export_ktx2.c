@@ -70,24 +70,26 @@ static int write_volume(const cubes_export *e) {
   return result == OLX_OK ? report_volume(e, &info) : library_failure(COMMAND);
 }
 
+static const option ktx2_options[] = {
+    {"-o", OPTION_TEXT, offsetof(cubes_export, output), "FILE.ktx2", "the texture to write", 1},
+    {"--size", OPTION_GRID, offsetof(cubes_export, settings.size), "32x12x24", "voxels along x, y, z", 1,
+     OLX_CUBES_MOST_TEXELS},
+    {"--spacing", OPTION_REAL, offsetof(cubes_export, settings.spacing_metres), "METRES",
+     "side of a voxel instead; default: 1/32 of the scene's longest side"},
+    {"--plain", OPTION_FLAG, offsetof(cubes_export, plain), NULL, "do not fit voxels to surfaces; leaks through walls"},
+    {"--zstd", OPTION_FLAG, offsetof(cubes_export, settings.zstd), NULL,
+     "compress the texels; the loader must know Zstandard"},
+    {"--threads", OPTION_COUNT, offsetof(cubes_export, settings.threads), "N",
+     "default 0: every processor; the result is the same", 0, 1024},
+    {0}};
+
 int command_export_ktx2(int argc, char **argv) {
   cubes_export e = {.settings = olx_cubes_settings_default()};
-  const option options[] = {
-      {"-o", OPTION_TEXT, &e.output, "FILE.ktx2", "the texture to write", 1, 0},
-      {"--size", OPTION_GRID, e.settings.size, "32x12x24", "voxels along x, y, z", 1, OLX_CUBES_MOST_TEXELS},
-      {"--spacing", OPTION_REAL, &e.settings.spacing_metres, "METRES",
-       "side of a voxel instead; default: 1/32 of the scene's longest side", 0, 0},
-      {"--plain", OPTION_FLAG, &e.plain, NULL, "do not fit voxels to surfaces; leaks through walls", 0, 0},
-      {"--zstd", OPTION_FLAG, &e.settings.zstd, NULL, "compress the texels; the loader must know Zstandard", 0, 0},
-      {"--threads", OPTION_COUNT, &e.settings.threads, "N", "default 0: every processor; the result is the same", 0,
-       1024},
-      {"--json", OPTION_FLAG, &e.json, NULL, "print one JSON object", 0, 0}};
   command_line line = {.name = COMMAND,
                        .summary = "Write the irradiance volume as a texture that Bevy reads, fitted to surfaces.",
                        .example = "octalux export ktx2 room.olx -o volume.ktx2 --spacing 0.25",
                        .arguments = {"FIELD"},
-                       .options = options,
-                       .option_count = sizeof options / sizeof options[0]};
+                       .tables = {{ktx2_options, &e}, {json_option, &e.json}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   e.field = line.given[0];

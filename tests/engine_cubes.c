@@ -201,7 +201,7 @@ static uint32_t find_triangle(const float *sums, uint32_t count, float share) {
 
 // Whether a ray from a probe reaches that side of the surface; the light of others is only guessed.
 static bool is_seen(const olx_scene *scene, const olx_field *field, olx_vec3 place, olx_vec3 normal) {
-  for (uint32_t probe = 0; probe < field->info.probe_count; probe++) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     const olx_vec3 from = olx_field_probe_position(field, probe), way = olx_sub(place, from);
     if (olx_field_probe_buried(field, probe) || !(olx_dot(way, normal) < 0.0f)) continue;
     const float reach = olx_length(way) * (1.0f - 1e-3f);
@@ -230,7 +230,7 @@ lit_points lit_surfaces(const olx_scene *scene, const olx_field *field, uint32_t
 }
 
 lit_points lit_space(const olx_field *field, uint32_t tries) {
-  const olx_vec3 low = field->info.scene_min, size = olx_sub(field->info.scene_max, low);
+  const olx_vec3 low = field->info.scene.bounds_min, size = olx_sub(field->info.scene.bounds_max, low);
   lit_points points = room_for(tries);
   for (uint32_t i = 0; i < tries; i++) {
     const olx_vec3 share = olx_v3(random_number(i, 3), random_number(i, 4), random_number(i, 5));

@@ -38,8 +38,8 @@ typedef struct olx_sample_settings {
   bool keep_buried;          // also use buried probes (inside geometry; the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
-  olx_hits hits;             // the kind of light at a hit; default OLX_HITS_SHADED. In a field whose lights have
-                             // changed since it was baked it is always OLX_HITS_STORED
+  olx_hits hits;             // the kind of light at a hit; default OLX_HITS_SHADED, and always that in a field whose
+                             // lights have changed since it was baked, because stored radiance is out of date there
   float surface_tolerance;   // how far a surface may lie from its place in the bake and still get its stored light, in
                              // footprints of texels (their side on the surface): for hosts that draw levels of
                              // detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
@@ -125,9 +125,8 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
 // - `position`: metres.
 // - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it.
 // Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of
-// another room would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0), and in one whose
-// lights have changed since it was baked, it is olx_irradiance with default settings: 0 without probe light. Numbers
-// that are not finite give 0.
+// another room would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0) it is olx_irradiance
+// with default settings: 0 without probe light. Numbers that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
 // Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without probe light (octalux/bake.h):

@@ -263,7 +263,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
 
-// texel_shade: the largest angular error of stored normals in radians; no highlight is narrower.
+// texel_shade: the largest angular error of stored normals in radians. No highlight is narrower, and a ray meets a
+// surface from behind where it runs along the normal by more than that.
 #define OLX_STORED_NORMAL_ERROR 0.0111f
 
 // trace. A ray remembers tried probes by their numbers modulo the first, a bit each. That is exact in fields of no more

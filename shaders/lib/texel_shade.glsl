@@ -69,9 +69,12 @@ float olx_lit_share(vec3 stored, vec3 most) {
 // found it. The texel must neither see the sky nor be of the border.
 olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
   vec3 normal = olx_texel_normal(origin, texel);
-  olx_texel_surface s =
-      olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
-                        max(abs(olx_dot(normal, direction)), 1e-3), olx_texel_direct(origin, texel));
+  float along_normal = olx_dot(normal, direction);
+  // A ray that meets the stored surface from behind meets another side of what the probe saw. The direct light of that
+  // side is not stored, and is taken to be none.
+  vec3 direct = along_normal > OLX_STORED_NORMAL_ERROR ? vec3(0.0) : olx_texel_direct(origin, texel);
+  olx_texel_surface s = olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
+                                          max(abs(along_normal), 1e-3), direct);
   // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
   vec3 all_light = s.direct + olx_texel_indirect(origin, texel) * (1.0 - olx_field.last_bounce);
   olx_reflection light =

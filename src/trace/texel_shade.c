@@ -9,9 +9,9 @@
 typedef struct texel_surface {
   olx_bsdf bsdf;
   olx_vec3 position, normal;
-  olx_vec3 view;       // unit, to the eye
-  float cosine;        // of the angle between normal and view
-  olx_vec3 direct;     // irradiance, W/m^2
+  olx_vec3 view;   // unit, to the eye
+  float cosine;    // of the angle between normal and view
+  olx_vec3 direct; // irradiance, W/m^2
 } texel_surface;
 
 // The light of all lights without area, as if nothing shadowed the surface.
@@ -72,8 +72,7 @@ olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t t
   s.cosine = olx_max(fabsf(along_normal), 1e-3f);
   // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
   const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.bounces.last);
-  olx_texel_light light = {
-      .reflected = olx_scale(olx_mul(olx_bsdf_diffuse(&s.bsdf, s.cosine), all), 1.0f / OLX_PI)};
+  olx_texel_light light = {.reflected = olx_scale(olx_mul(olx_bsdf_diffuse(&s.bsdf, s.cosine), all), 1.0f / OLX_PI)};
   if (!olx_bsdf_has_specular(&s.bsdf)) return light;
   const unshadowed free = light_without_shadows(field, &s);
   const float share = lit_share(s.direct, free.irradiance);

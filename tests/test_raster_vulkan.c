@@ -111,7 +111,7 @@ static void draw_scene(const olx_scene *scene, const olx_camera *camera, drawn_f
   rasteriser_destroy(&device, &raster);
 }
 
-// The same frame from the ray caster.
+// A frame that the ray caster computes on the CPU: the reference for a drawn frame.
 typedef struct cast_frame {
   olx_image image;
   olx_gbuffer surfaces;

@@ -101,7 +101,7 @@ static void normal_maps_tilt_along_u_and_against_v(void **state) {
   // With u along +x and v along -z, seen from above, texture rows go down the page as z falls.
   assert_vector_near(mapped(red, 1.0f, x, minus_z, true), olx_v3(0.6f, 0.8f, 0.0f), tolerance);
   assert_vector_near(mapped(green, 1.0f, x, minus_z, true), olx_v3(0.0f, 0.8f, 0.6f), tolerance);
-  // The same map is turned by a quarter: u along z, v along x.
+  // With u along z and v along x, both maps turn by a quarter about the normal.
   assert_vector_near(mapped(red, 1.0f, z, x, true), olx_v3(0.0f, 0.8f, 0.6f), tolerance);
   assert_vector_near(mapped(green, 1.0f, z, x, true), olx_v3(-0.6f, 0.8f, 0.0f), tolerance);
   // Seen from behind, bumps are dents.

@@ -1,12 +1,9 @@
 // Tests features of glTF beyond a square of floats: quantised, sparse and compressed accessors, strips and fans,
-// several texture coordinates, vertex colours, tangents, scenes, extensions. Each file is made here and has one
-// feature.
+// several texture coordinates, scenes, buffers, compression. Each file is made here and has one feature.
 #include "data_uris.h"
-#include "gltf_maker.h"
+#include "gltf_square.h"
 #include "scene/bvh.h"
 #include "scene/scene_build.h"
-#include "scene/surface.h"
-#include "scene_files.h"
 
 #include <octalux/export.h>
 #include <octalux/render.h>
@@ -20,87 +17,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-// ---- making files
-
-static const char *write_model(const gltf_maker *m, const scene_folder *folder, const char *primitive,
-                               const char *nodes, const char *more) {
-  char *text = gltf_maker_text(m, primitive, nodes, more, false);
-  const char *path = scene_folder_write_text(folder, "made.gltf", text);
-  free(text);
-  return path;
-}
-
-static olx_scene *load(const char *path) {
-  olx_scene *scene = NULL;
-  if (olx_scene_load(path, &scene) != OLX_OK) fail_msg("%s", olx_last_error());
-  return scene;
-}
-
-static void assert_refused(const char *path, olx_result expected, const char *part) {
-  olx_scene *scene = NULL;
-  const olx_result result = olx_scene_load(path, &scene);
-  olx_scene_free(scene);
-  if (result != expected || !strstr(olx_last_error(), part) || !strstr(olx_last_error(), "made.gltf")) {
-    fail_msg("%d, \"%s\" does not say \"%s\" of made.gltf", result, olx_last_error(), part);
-  }
-}
-
-static void assert_warned(const olx_scene *scene, const char *part) {
-  for (uint32_t i = 0; i < scene->warning_count; ++i) {
-    if (strstr(scene->warnings[i], part)) return;
-  }
-  fail_msg("no warning says \"%s\"", part);
-}
-
-static void assert_near(float a, float b, float tolerance) {
-  if (!(fabsf(a - b) <= tolerance)) fail_msg("%g is not %g", (double)a, (double)b);
-}
-
-static void assert_vec(olx_vec3 v, float x, float y, float z, float tolerance) {
-  if (!(olx_length(olx_sub(v, olx_v3(x, y, z))) <= tolerance)) {
-    fail_msg("(%g %g %g) is not (%g %g %g)", (double)v.x, (double)v.y, (double)v.z, (double)x, (double)y, (double)z);
-  }
-}
-
-static olx_vec3 winding_normal(const olx_scene *scene, uint32_t triangle) {
-  const uint32_t *i = scene->indices + (size_t)triangle * 3;
-  const olx_vec3 a = scene->positions[i[0]];
-  return olx_normalize(olx_cross(olx_sub(scene->positions[i[1]], a), olx_sub(scene->positions[i[2]], a)));
-}
-
-// Returns the surface that a downward ray from z = 1 meets on the square.
-static olx_surface look_at(const olx_scene *scene, float x, float y) {
-  const olx_ray ray = {{x, y, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
-  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-  assert_int_not_equal(hit.triangle, OLX_NO_HIT);
-  return olx_surface_at(scene, &hit, ray.direction);
-}
-
-// A unit square in the xy plane that faces +z; v = 0 at the top.
-static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
-static const float square_normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
-static const float square_uvs[8] = {0, 1, 1, 1, 1, 0, 0, 0};
-static const uint16_t square_indices[6] = {0, 1, 2, 0, 2, 3};
-// The TGA of scene_files_tga: upper left red, upper right green, lower left blue, lower right white with alpha 0.
-#define FOUR_COLORS "data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA=="
-
-static uint32_t add_square(gltf_maker *m) {
-  const uint32_t first = gltf_add(m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
-  gltf_add(m, square_normals, sizeof square_normals, 4, GLTF_FLOAT, "VEC3", false);
-  gltf_add(m, square_uvs, sizeof square_uvs, 4, GLTF_FLOAT, "VEC2", false);
-  gltf_add(m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
-  return first;
-}
-
-#define SQUARE                                                                                                         \
-  "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2%s}, \"indices\": 3, \"material\": 0}"
-
-static const char *square_with(const char *attributes) {
-  static char text[512];
-  snprintf(text, sizeof text, SQUARE, attributes);
-  return text;
-}
 
 // ---- primitives
 
@@ -319,7 +235,6 @@ static void two_sets_of_texture_coordinates(void **state) {
   olx_scene_free(scene);
 }
 
-#define TRANSFORM(what) ", \"extensions\": {\"KHR_texture_transform\": {" what "}}"
 
 // The transform is the example of the extension's specification: it selects the lower left quarter of the image, turned
 // clockwise by 90 degrees.
@@ -386,267 +301,6 @@ static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void *
     assert_int_equal(scene->texture_count, 1);
     olx_scene_free(scene);
   }
-}
-
-// ---- colours, tangents, materials
-
-static void vertex_colours_multiply_the_base_colour(void **state) {
-  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0};
-  gltf_maker m = {0};
-  add_square(&m);
-  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
-  const char *more = ", \"materials\": [{\"name\": \"m\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.5, "
-                     "0.5, 1], \"metallicFactor\": 0}}]";
-  const char *path = write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", more);
-  olx_scene *scene = load(path);
-  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.375f, 0.125f, 0, 1e-5f);
-  olx_scene_free(scene);
-  // A colour in the description replaces vertex colours.
-  scene = load(scene_folder_write_text(
-      *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"m\": {\"base_color\": [0.25, 0.25, 0.25]}}}"));
-  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.25f, 0.25f, 0.25f, 1e-5f);
-  olx_scene_free(scene);
-}
-
-static void white_vertices_are_as_good_as_none(void **state) {
-  const uint8_t white[16] = {255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
-  gltf_maker m = {0};
-  add_square(&m);
-  gltf_add(&m, white, sizeof white, 4, GLTF_UINT8, "VEC4", true);
-  olx_scene *scene =
-      load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
-  assert_null(scene->colors);
-  assert_false(scene->materials[0].vertex_colors);
-  olx_scene_free(scene);
-}
-
-static void the_alpha_of_vertices_masks(void **state) {
-  const uint16_t colors[16] = {65535, 65535, 65535, 0,     65535, 65535, 65535, 65535,
-                               65535, 65535, 65535, 65535, 65535, 65535, 65535, 0};
-  gltf_maker m = {0};
-  add_square(&m);
-  gltf_add(&m, colors, sizeof colors, 4, GLTF_UINT16, "VEC4", true);
-  olx_scene *scene = load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]",
-                                      ", \"materials\": [{\"alphaMode\": \"MASK\"}]"));
-  const olx_ray absent = {{0.25f, 0.5f, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
-  assert_int_equal(olx_bvh_intersect(scene->bvh, &absent).triangle, OLX_NO_HIT);
-  look_at(scene, 0.75f, 0.5f);
-  olx_scene_free(scene);
-}
-
-// A normal map of one texel, (1, 0.5, 0.5), whose normals point along the tangent.
-#define SIDEWAYS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogID//w=="
-#define BUMPED                                                                                                         \
-  ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "   \
-  "\"" SIDEWAYS "\"}]"
-
-static void tangents_of_the_file_go_before_texture_coordinates(void **state) {
-  const float tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-  gltf_maker m = {0};
-  add_square(&m);
-  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
-  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x > 0.99f);
-  olx_scene_free(scene);
-  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
-  olx_scene_free(scene);
-  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
-                           "[{\"mesh\": 0, \"rotation\": [0, 0, 0.70710678, 0.70710678], \"translation\": [1, 0, 0]}]",
-                           BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x < -0.99f);
-  olx_scene_free(scene);
-}
-
-// A normal map of one texel, (0.5, 1, 0.5), whose normals point along the bitangent, which is reversed where the
-// texture is mirrored.
-#define UPWARDS "data:image/png;base64,AAACAAAAAAAAAAAAAQABACAogP+A/w=="
-
-static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
-  float tangents[16];
-  for (int side = -1; side <= 1; side += 2) {
-    for (int v = 0; v < 4; ++v) memcpy(tangents + 4 * v, (const float[4]){1, 0, 0, (float)side}, 4 * sizeof(float));
-    gltf_maker m = {0};
-    add_square(&m);
-    gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
-    const char *more = ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], "
-                       "\"images\": [{\"uri\": \"" UPWARDS "\"}]";
-    olx_scene *scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", more));
-    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
-    olx_scene_free(scene);
-    scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
-                             "[{\"mesh\": 0, \"scale\": [1, -1, 1], \"translation\": [0, 1, 0]}]", more));
-    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y < -0.99f);
-    olx_scene_free(scene);
-  }
-}
-
-static void assert_not_warned(const olx_scene *scene, const char *part) {
-  for (uint32_t i = 0; i < scene->warning_count; ++i) {
-    if (strstr(scene->warnings[i], part)) fail_msg("a warning says \"%s\"", scene->warnings[i]);
-  }
-}
-
-// A square whose material "dull" has KHR_materials_specular with these members. Texture 0 has four colours.
-static olx_scene *load_specular(const scene_folder *folder, const char *surface, const char *members) {
-  gltf_maker m = {0};
-  char more[1024];
-  add_square(&m);
-  snprintf(more, sizeof more,
-           ", \"materials\": [{\"name\": \"dull\", \"pbrMetallicRoughness\": {%s}, \"extensions\": "
-           "{\"KHR_materials_specular\": {%s}}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
-           "\"" FOUR_COLORS "\"}], \"extensionsUsed\": [\"KHR_materials_specular\"]",
-           surface, members);
-  return load(write_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
-}
-
-static void specular_factors_are_weights(void **state) {
-  olx_scene *scene = load_specular(*state, "", "\"specularFactor\": 0.25");
-  assert_near(scene->materials[0].specular_weight, 0.25f, 1e-6f);
-  assert_not_warned(scene, "specular");
-  olx_scene_free(scene);
-}
-
-static void specular_colours_count_by_their_luminance(void **state) {
-  const struct {
-    const char *members;
-    float weight;
-  } cases[] = {{"\"specularFactor\": 0.25, \"specularColorFactor\": [1, 0, 0]", 0.25f * 0.2126f},
-               {"\"specularColorFactor\": [0.5, 0.5, 0.5]", 0.5f},
-               {"\"specularFactor\": 0.5, \"specularColorFactor\": [1.5, 1.5, 1.5]", 0.75f},
-               // F0 is 1 in blue, 25 times that of the weight 1, and more does not add to it.
-               {"\"specularColorFactor\": [0, 0, 1e6]", 1.0f}};
-  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    olx_scene *scene = load_specular(*state, "", cases[i].members);
-    assert_near(scene->materials[0].specular_weight, cases[i].weight, 1e-6f);
-    assert_warned(scene, "1 material has a specular colour: its luminance, up to 1, scales reflections at all angles "
-                         "(dull)");
-    olx_scene_free(scene);
-  }
-}
-
-// The specular weights, roughness and metalness in the middles of the texels: upper left, upper right, lower left,
-// lower right.
-static void assert_surfaces(const olx_scene *scene, const float weights[4], const float roughness[4],
-                            const float metallic[4]) {
-  for (int i = 0; i < 4; ++i) {
-    const olx_surface s = look_at(scene, i % 2 ? 0.75f : 0.25f, i < 2 ? 0.75f : 0.25f);
-    assert_near(s.bsdf.dielectric_weight, weights[i], 2e-3f);
-    assert_near(s.roughness, roughness[i], 2e-3f);
-    assert_near(s.metallic, metallic[i], 2e-3f);
-  }
-}
-
-#define ROUGH "\"roughnessFactor\": 0.5, \"metallicFactor\": 0.25"
-static const float half_rough[4] = {0.5f, 0.5f, 0.5f, 0.5f}, quarter_metallic[4] = {0.25f, 0.25f, 0.25f, 0.25f};
-
-static void specular_textures_are_weights_texel_by_texel(void **state) {
-  olx_scene *scene = load_specular(*state, ROUGH, "\"specularFactor\": 0.75, \"specularTexture\": {\"index\": 0}");
-  assert_surfaces(scene, (const float[4]){0.75f, 0.75f, 0.75f, 0}, half_rough, quarter_metallic);
-  assert_not_warned(scene, "specular");
-  assert_int_equal(scene->texture_count, 1);
-  olx_scene_free(scene);
-  scene =
-      load_specular(*state, ROUGH, "\"specularColorFactor\": [0.5, 1, 10], \"specularColorTexture\": {\"index\": 0}");
-  assert_surfaces(scene, (const float[4]){0.1063f, 0.7152f, 0.722f, 1}, half_rough, quarter_metallic);
-  assert_warned(scene, "a specular colour");
-  olx_scene_free(scene);
-}
-
-// Both textures, that of roughness in G and metalness in B, and the factors; in the model, cooked and exported.
-static void specular_textures_join_that_of_roughness(void **state) {
-  const float weights[4] = {0.1063f, 0.3576f, 0.0361f, 0}, roughness[4] = {0, 0.5f, 0, 0.5f},
-              metallic[4] = {0, 0, 0.25f, 0.25f};
-  olx_scene *scene = load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
-                                   "\"specularFactor\": 0.5, \"specularTexture\": {\"index\": 0}, "
-                                   "\"specularColorTexture\": {\"index\": 0}");
-  char cooked[600], exported[600];
-  snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
-  snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
-  assert_surfaces(scene, weights, roughness, metallic);
-  assert_int_equal(scene->texture_count, 1);
-  assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
-  assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
-  const uint64_t hash = scene->hash;
-  olx_scene_free(scene);
-  scene = load(cooked);
-  assert_true(scene->hash == hash);
-  assert_surfaces(scene, weights, roughness, metallic);
-  olx_scene_free(scene);
-  scene = load(exported);
-  assert_surfaces(scene, weights, roughness, metallic);
-  olx_scene_free(scene);
-}
-
-static void descriptions_replace_specular_textures(void **state) {
-  olx_scene_free(load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
-                               "\"specularTexture\": {\"index\": 0}"));
-  olx_scene *scene = load(scene_folder_write_text(
-      *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"dull\": {\"specular\": 0.5}}}"));
-  assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
-  olx_scene_free(scene);
-}
-
-static void specular_textures_that_lie_elsewhere_are_left_out(void **state) {
-  olx_scene *scene =
-      load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
-                    "\"specularFactor\": 0.5, \"specularTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}");
-  assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
-  assert_warned(scene, "1 material has specular textures with other coordinates than the roughness texture: they are "
-                       "left out (dull)");
-  olx_scene_free(scene);
-}
-
-static void specular_textures_that_cannot_be_read_leave_the_factors(void **state) {
-  gltf_maker m = {0};
-  add_square(&m);
-  olx_scene *scene = load(write_model(
-      &m, *state, square_with(""), "[{\"mesh\": 0}]",
-      ", \"materials\": [{\"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.5, "
-      "\"specularColorFactor\": [0.5, 0.5, 0.5], \"specularTexture\": {\"index\": 0}}}}], \"textures\": [{\"source\": "
-      "0}], \"images\": [{\"uri\": \"missing.png\"}]"));
-  assert_near(look_at(scene, 0.5f, 0.5f).bsdf.dielectric_weight, 0.25f, 1e-6f);
-  assert_warned(scene, "texture left out");
-  olx_scene_free(scene);
-}
-
-static void extensions_that_are_ignored_are_named(void **state) {
-  gltf_maker m = {0};
-  add_square(&m);
-  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
-                                      ", \"materials\": [{}], \"extensionsUsed\": [\"KHR_materials_unlit\", "
-                                      "\"ABC_unheard_of\"]"));
-  assert_warned(scene, "the glTF extension KHR_materials_unlit is ignored");
-  assert_warned(scene, "the glTF extension ABC_unheard_of is ignored");
-  olx_scene_free(scene);
-}
-
-static void cooked_scenes_keep_all_that_vertices_have(void **state) {
-  const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
-              tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, -1};
-  gltf_maker m = {0};
-  add_square(&m);
-  gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
-  gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
-  const char *model = write_model(
-      &m, *state, square_with(", \"COLOR_0\": 4, \"TANGENT\": 5"), "[{\"mesh\": 0}]",
-      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
-      "{\"index\": 0" TRANSFORM(
-          "\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" SIDEWAYS "\"}]");
-  char path[600];
-  snprintf(path, sizeof path, "%s/made.olxs", ((scene_folder *)*state)->path);
-  olx_scene *scene = load(model), *cooked = NULL;
-  assert_true(scene->colors && scene->tangents && scene->second_uvs);
-  assert_int_equal(olx_scene_cook(scene, path, NULL), OLX_OK);
-  if (olx_scene_load_cooked(path, &cooked) != OLX_OK) fail_msg("%s", olx_last_error());
-  assert_true(cooked->hash == scene->hash);
-  assert_memory_equal(cooked->colors, scene->colors, 4 * sizeof *scene->colors);
-  assert_memory_equal(cooked->tangents, scene->tangents, 4 * sizeof *scene->tangents);
-  assert_memory_equal(cooked->second_uvs, scene->second_uvs, 4 * sizeof *scene->second_uvs);
-  assert_int_equal(cooked->materials[0].second_uvs, OLX_SLOT_NORMAL);
-  assert_true(cooked->materials[0].vertex_colors);
-  olx_scene_free(cooked);
-  olx_scene_free(scene);
 }
 
 // ---- scenes and nodes
@@ -877,8 +531,6 @@ static void files_are_refused_when_memory_ends(void **state) {
   assert_true(refused > 30);
 }
 
-#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, scene_folder_set_up, scene_folder_tear_down)
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_FOLDER(strips_and_fans_become_triangles_that_face_one_way),
@@ -895,20 +547,6 @@ int main(void) {
       WITH_FOLDER(a_texture_transform_may_name_another_set),
       WITH_FOLDER(a_third_kind_of_coordinates_is_warned_about),
       WITH_FOLDER(images_of_other_kinds_are_refused_or_replaced_by_their_source),
-      WITH_FOLDER(vertex_colours_multiply_the_base_colour),
-      WITH_FOLDER(white_vertices_are_as_good_as_none),
-      WITH_FOLDER(the_alpha_of_vertices_masks),
-      WITH_FOLDER(tangents_of_the_file_go_before_texture_coordinates),
-      WITH_FOLDER(bitangents_lie_on_the_side_that_tangents_say),
-      WITH_FOLDER(specular_factors_are_weights),
-      WITH_FOLDER(specular_colours_count_by_their_luminance),
-      WITH_FOLDER(specular_textures_are_weights_texel_by_texel),
-      WITH_FOLDER(specular_textures_join_that_of_roughness),
-      WITH_FOLDER(descriptions_replace_specular_textures),
-      WITH_FOLDER(specular_textures_that_lie_elsewhere_are_left_out),
-      WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),
-      WITH_FOLDER(extensions_that_are_ignored_are_named),
-      WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
       WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),
       WITH_FOLDER(nodes_may_be_nested_but_not_without_end),
       WITH_FOLDER(skins_and_morphs_are_warned_about),

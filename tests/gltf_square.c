@@ -12,21 +12,21 @@
 
 #include <cmocka.h>
 
-const char *write_model(const gltf_maker *m, const scene_folder *folder, const char *primitive, const char *nodes,
-                        const char *more) {
+const char *write_square_model(const gltf_maker *m, const scene_folder *folder, const char *primitive,
+                               const char *nodes, const char *more) {
   char *text = gltf_maker_text(m, primitive, nodes, more, false);
   const char *path = scene_folder_write_text(folder, "made.gltf", text);
   free(text);
   return path;
 }
 
-olx_scene *load(const char *path) {
+olx_scene *load_model(const char *path) {
   olx_scene *scene = NULL;
   if (olx_scene_load(path, &scene) != OLX_OK) fail_msg("%s", olx_last_error());
   return scene;
 }
 
-void assert_refused(const char *path, olx_result expected, const char *part) {
+void assert_model_refused(const char *path, olx_result expected, const char *part) {
   olx_scene *scene = NULL;
   const olx_result result = olx_scene_load(path, &scene);
   olx_scene_free(scene);
@@ -35,18 +35,18 @@ void assert_refused(const char *path, olx_result expected, const char *part) {
   }
 }
 
-void assert_warned(const olx_scene *scene, const char *part) {
+void assert_model_warned(const olx_scene *scene, const char *part) {
   for (uint32_t i = 0; i < scene->warning_count; ++i) {
     if (strstr(scene->warnings[i], part)) return;
   }
   fail_msg("no warning says \"%s\"", part);
 }
 
-void assert_near(float a, float b, float tolerance) {
+void assert_near_number(float a, float b, float tolerance) {
   if (!(fabsf(a - b) <= tolerance)) fail_msg("%g is not %g", (double)a, (double)b);
 }
 
-void assert_vec(olx_vec3 v, float x, float y, float z, float tolerance) {
+void assert_near_vector(olx_vec3 v, float x, float y, float z, float tolerance) {
   if (!(olx_length(olx_sub(v, olx_v3(x, y, z))) <= tolerance)) {
     fail_msg("(%g %g %g) is not (%g %g %g)", (double)v.x, (double)v.y, (double)v.z, (double)x, (double)y, (double)z);
   }
@@ -58,7 +58,7 @@ olx_vec3 winding_normal(const olx_scene *scene, uint32_t triangle) {
   return olx_normalize(olx_cross(olx_sub(scene->positions[i[1]], a), olx_sub(scene->positions[i[2]], a)));
 }
 
-olx_surface look_at(const olx_scene *scene, float x, float y) {
+olx_surface look_at_square(const olx_scene *scene, float x, float y) {
   const olx_ray ray = {{x, y, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
   const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
   assert_int_not_equal(hit.triangle, OLX_NO_HIT);

@@ -14,20 +14,20 @@ extern const uint16_t square_indices[6];
 #define FOUR_COLORS "data:image/png;base64,AAACAAAAAAAAAAAAAgACACAoAAD//wD/AP//AAD/////AA=="
 
 // Writes a model into the folder and returns its path, made.gltf. The arguments are those of gltf_maker_text.
-const char *write_model(const gltf_maker *m, const scene_folder *folder, const char *primitive, const char *nodes,
-                        const char *more);
+const char *write_square_model(const gltf_maker *m, const scene_folder *folder, const char *primitive,
+                               const char *nodes, const char *more);
 // Loads a scene; the test fails where it cannot be loaded.
-olx_scene *load(const char *path);
+olx_scene *load_model(const char *path);
 // Asserts that loading made.gltf fails with this result, and that the message contains `part` and the file's name.
-void assert_refused(const char *path, olx_result expected, const char *part);
-void assert_warned(const olx_scene *scene, const char *part);
-void assert_near(float a, float b, float tolerance);
-void assert_vec(olx_vec3 v, float x, float y, float z, float tolerance);
+void assert_model_refused(const char *path, olx_result expected, const char *part);
+void assert_model_warned(const olx_scene *scene, const char *part);
+void assert_near_number(float a, float b, float tolerance);
+void assert_near_vector(olx_vec3 v, float x, float y, float z, float tolerance);
 
 // Returns the unit normal that the winding of a triangle's corners gives.
 olx_vec3 winding_normal(const olx_scene *scene, uint32_t triangle);
 // Returns the surface that a downward ray from z = 1 meets on the square.
-olx_surface look_at(const olx_scene *scene, float x, float y);
+olx_surface look_at_square(const olx_scene *scene, float x, float y);
 
 // Adds accessors of the square's positions, normals, coordinates and indices; returns the index of the first.
 uint32_t add_square(gltf_maker *m);

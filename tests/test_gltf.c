@@ -29,12 +29,12 @@ static void strips_and_fans_become_triangles_that_face_one_way(void **state) {
     char primitive[96];
     gltf_add(&m, shapes[i], sizeof strip, 5, GLTF_FLOAT, "VEC3", false);
     snprintf(primitive, sizeof primitive, "{\"attributes\": {\"POSITION\": 0}, \"mode\": %d}", 5 + i);
-    olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
+    olx_scene *scene = load_model(write_square_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
     assert_int_equal(scene->triangle_count, 3);
-    for (uint32_t t = 0; t < 3; ++t) assert_vec(winding_normal(scene, t), 0, 0, 1, 1e-6f);
+    for (uint32_t t = 0; t < 3; ++t) assert_near_vector(winding_normal(scene, t), 0, 0, 1, 1e-6f);
     olx_scene_free(scene);
-    scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0, \"scale\": [-1, 1, 1]}]", ""));
-    for (uint32_t t = 0; t < 3; ++t) assert_vec(winding_normal(scene, t), 0, 0, 1, 1e-6f);
+    scene = load_model(write_square_model(&m, *state, primitive, "[{\"mesh\": 0, \"scale\": [-1, 1, 1]}]", ""));
+    for (uint32_t t = 0; t < 3; ++t) assert_near_vector(winding_normal(scene, t), 0, 0, 1, 1e-6f);
     olx_scene_free(scene);
   }
 }
@@ -42,13 +42,14 @@ static void strips_and_fans_become_triangles_that_face_one_way(void **state) {
 static void points_and_lines_are_left_out_and_counted(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(write_model(&m, *state,
-                                      "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}, {\"attributes\": "
-                                      "{\"POSITION\": 0}, \"mode\": 0}, {\"attributes\": {\"POSITION\": 0}, \"mode\": "
-                                      "1}, {\"attributes\": {\"POSITION\": 0}, \"mode\": 3}",
-                                      "[{\"mesh\": 0}]", ""));
+  olx_scene *scene =
+      load_model(write_square_model(&m, *state,
+                                    "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}, {\"attributes\": "
+                                    "{\"POSITION\": 0}, \"mode\": 0}, {\"attributes\": {\"POSITION\": 0}, \"mode\": "
+                                    "1}, {\"attributes\": {\"POSITION\": 0}, \"mode\": 3}",
+                                    "[{\"mesh\": 0}]", ""));
   assert_int_equal(scene->triangle_count, 2);
-  assert_warned(scene, "skipped 9 points and lines"); // 4 points, 2 lines, and 3 points of a strip
+  assert_model_warned(scene, "skipped 9 points and lines"); // 4 points, 2 lines, and 3 points of a strip
   olx_scene_free(scene);
 }
 
@@ -67,8 +68,8 @@ static void indices_of_every_width_are_the_same(void **state) {
     gltf_maker m = {0};
     gltf_add(&m, square_positions, sizeof square_positions, 4, GLTF_FLOAT, "VEC3", false);
     gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 6, kinds[i].component, "SCALAR", false);
-    olx_scene *scene =
-        load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+    olx_scene *scene = load_model(
+        write_square_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
     assert_int_equal(scene->triangle_count, 2);
     hashes[i] = scene->hash;
     olx_scene_free(scene);
@@ -82,12 +83,12 @@ static void without_normals_triangles_are_flat(void **state) {
   gltf_maker m = {0};
   gltf_add(&m, roof, sizeof roof, 4, GLTF_FLOAT, "VEC3", false);
   gltf_add(&m, indices, sizeof indices, 6, GLTF_UINT8, "SCALAR", false);
-  olx_scene *scene =
-      load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+  olx_scene *scene = load_model(
+      write_square_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
   assert_int_equal(scene->vertex_count, 6); // no two triangles share a normal
   for (uint32_t v = 0; v < 6; ++v) {
     const olx_vec3 n = winding_normal(scene, v / 3);
-    assert_vec(scene->normals[scene->indices[v]], n.x, n.y, n.z, 1e-6f);
+    assert_near_vector(scene->normals[scene->indices[v]], n.x, n.y, n.z, 1e-6f);
   }
   olx_scene_free(scene);
 }
@@ -96,10 +97,10 @@ static void attributes_that_do_not_fit_their_positions_are_left_out(void **state
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, square_normals, 24, 2, GLTF_FLOAT, "VEC3", false);
-  olx_scene *scene = load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 4}, \"indices\": 3}",
-                                      "[{\"mesh\": 0}]", ""));
-  assert_warned(scene, "1 attributes are ignored");
-  assert_vec(scene->normals[scene->indices[0]], 0, 0, 1, 1e-6f);
+  olx_scene *scene = load_model(write_square_model(
+      &m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 4}, \"indices\": 3}", "[{\"mesh\": 0}]", ""));
+  assert_model_warned(scene, "1 attributes are ignored");
+  assert_near_vector(scene->normals[scene->indices[0]], 0, 0, 1, 1e-6f);
   olx_scene_free(scene);
 }
 
@@ -119,17 +120,17 @@ static void quantised_vertices_are_those_of_floats(void **state) {
   gltf_add_accessor(&m, of[1], 4, GLTF_INT8, "VEC3");
   gltf_add(&m, uvs, sizeof uvs, 4, GLTF_UINT16, "VEC2", true);
   gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
-  olx_scene *scene = load(
-      write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
-                  "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
-                  ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
+  olx_scene *scene = load_model(write_square_model(
+      &m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
+      "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
+      ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
   assert_int_equal(scene->warning_count, 1); // a warning about the albedo of the default material
   for (uint32_t v = 0; v < 4; ++v) {
     const float *p = square_positions + 3 * v, *uv = square_uvs + 2 * v;
-    assert_vec(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);
-    assert_vec(scene->normals[v], 0, 0, 1, 1e-6f);
-    assert_near(scene->uvs[v].x, uv[0], 0);
-    assert_near(scene->uvs[v].y, uv[1], 0);
+    assert_near_vector(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);
+    assert_near_vector(scene->normals[v], 0, 0, 1, 1e-6f);
+    assert_near_number(scene->uvs[v].x, uv[0], 0);
+    assert_near_number(scene->uvs[v].y, uv[1], 0);
   }
   olx_scene_free(scene);
 }
@@ -150,10 +151,10 @@ static void normalised_integers_reach_from_minus_one_to_one(void **state) {
     gltf_maker m = {0};
     gltf_add(&m, kinds[i].data, kinds[i].size_bytes, 4, kinds[i].component, "VEC3", true);
     gltf_add(&m, square_indices, sizeof square_indices, 6, GLTF_UINT16, "SCALAR", false);
-    olx_scene *scene =
-        load(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
-    assert_vec(scene->bounds_min, kinds[i].low, kinds[i].low, 0, 0);
-    assert_vec(scene->bounds_max, 1, 1, 0, 0);
+    olx_scene *scene = load_model(
+        write_square_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}", "[{\"mesh\": 0}]", ""));
+    assert_near_vector(scene->bounds_min, kinds[i].low, kinds[i].low, 0, 0);
+    assert_near_vector(scene->bounds_max, 1, 1, 0, 0);
     olx_scene_free(scene);
   }
 }
@@ -179,24 +180,25 @@ static gltf_maker sparse_square(const char *base, uint16_t moved) {
 static void sparse_elements_replace_those_of_the_view_or_zeros(void **state) {
   const char *primitive = "{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}";
   gltf_maker m = sparse_square("\"bufferView\": 0, ", 2);
-  olx_scene *scene = load(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
-  assert_vec(scene->bounds_max, 3, 3, 0, 0);
+  olx_scene *scene = load_model(write_square_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""));
+  assert_near_vector(scene->bounds_max, 3, 3, 0, 0);
   assert_int_equal(scene->triangle_count, 2);
   olx_scene_free(scene);
   // Zeros and a single other corner make no triangle.
   m = sparse_square("", 2);
-  assert_refused(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_EMPTY, "no triangles");
+  assert_model_refused(write_square_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_EMPTY,
+                       "no triangles");
   m = sparse_square("\"bufferView\": 0, ", 4);
-  assert_refused(write_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_FORMAT,
-                 "accessors[0]: a sparse index is out of range");
+  assert_model_refused(write_square_model(&m, *state, primitive, "[{\"mesh\": 0}]", ""), OLX_ERROR_FORMAT,
+                       "accessors[0]: a sparse index is out of range");
 }
 
 static void accessors_without_data_are_refused(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add_accessor(&m, "", 4, GLTF_FLOAT, "VEC3");
-  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
-                 "accessors[4]: it has no data");
+  assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"),
+                       OLX_ERROR_FORMAT, "accessors[4]: it has no data");
   // A sparse accessor's zeros take a few bytes in the file and gigabytes in memory.
   m = (gltf_maker){0};
   add_square(&m);
@@ -204,8 +206,9 @@ static void accessors_without_data_are_refused(void **state) {
                     "\"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 3, \"componentType\": 5123}, \"values\": "
                     "{\"bufferView\": 0}}, ",
                     100000000, GLTF_FLOAT, "VEC3");
-  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
-                 "accessors[4]: it has no bufferView, and more elements than the file has bytes");
+  assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"),
+                       OLX_ERROR_FORMAT,
+                       "accessors[4]: it has no bufferView, and more elements than the file has bytes");
 }
 
 // ---- textures and their coordinates
@@ -220,39 +223,39 @@ static void two_sets_of_texture_coordinates(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
-  olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
-                                      TEXTURED("", ", \"texCoord\": 1")));
+  olx_scene *scene = load_model(write_square_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                                                   TEXTURED("", ", \"texCoord\": 1")));
   assert_int_equal(scene->materials[0].second_uvs, OLX_SLOT_EMISSION);
-  const olx_surface top = look_at(scene, 0.25f, 0.75f);
-  assert_vec(top.base_color, 0.95f, 0, 0, 1e-5f);
-  assert_vec(top.emission, 0, 0, 1, 1e-5f);
+  const olx_surface top = look_at_square(scene, 0.25f, 0.75f);
+  assert_near_vector(top.base_color, 0.95f, 0, 0, 1e-5f);
+  assert_near_vector(top.emission, 0, 0, 1, 1e-5f);
   olx_scene_free(scene);
   // When all textures use the second set, it becomes the only one.
-  scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
-                           TEXTURED(", \"texCoord\": 1", ", \"texCoord\": 1")));
+  scene = load_model(write_square_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                                        TEXTURED(", \"texCoord\": 1", ", \"texCoord\": 1")));
   assert_null(scene->second_uvs);
-  assert_vec(look_at(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
+  assert_near_vector(look_at_square(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
   olx_scene_free(scene);
 }
-
 
 // The transform is the example of the extension's specification: it selects the lower left quarter of the image, turned
 // clockwise by 90 degrees.
 static void texture_transforms_scale_turn_and_move(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(
-      write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
-                  TEXTURED(TRANSFORM("\"offset\": [0, 1], \"rotation\": 1.57079632679, \"scale\": [0.5, 0.5]"), "")));
+  olx_scene *scene = load_model(write_square_model(
+      &m, *state, square_with(""), "[{\"mesh\": 0}]",
+      TEXTURED(TRANSFORM("\"offset\": [0, 1], \"rotation\": 1.57079632679, \"scale\": [0.5, 0.5]"), "")));
   const olx_vec2 upper_left = scene->uvs[3], upper_right = scene->uvs[2], lower_left = scene->uvs[0];
-  assert_near(upper_left.x, 0.0f, 1e-6f); // (0, 0) is mapped to the lower left of the image
-  assert_near(upper_left.y, 1.0f, 1e-6f);
-  assert_near(upper_right.x, 0.0f, 1e-6f); // u goes up
-  assert_near(upper_right.y, 0.5f, 1e-6f);
-  assert_near(lower_left.x, 0.5f, 1e-6f); // v goes right
-  assert_near(lower_left.y, 1.0f, 1e-6f);
-  assert_vec(look_at(scene, 0.5f, 0.5f).base_color, 0, 0, 0.95f, 1e-5f);
-  assert_vec(look_at(scene, 0.25f, 0.75f).emission, 1, 0, 0, 1e-5f); // the emission texture has no transform
+  assert_near_number(upper_left.x, 0.0f, 1e-6f); // (0, 0) is mapped to the lower left of the image
+  assert_near_number(upper_left.y, 1.0f, 1e-6f);
+  assert_near_number(upper_right.x, 0.0f, 1e-6f); // u goes up
+  assert_near_number(upper_right.y, 0.5f, 1e-6f);
+  assert_near_number(lower_left.x, 0.5f, 1e-6f); // v goes right
+  assert_near_number(lower_left.y, 1.0f, 1e-6f);
+  assert_near_vector(look_at_square(scene, 0.5f, 0.5f).base_color, 0, 0, 0.95f, 1e-5f);
+  assert_near_vector(look_at_square(scene, 0.25f, 0.75f).emission, 1, 0, 0,
+                     1e-5f); // the emission texture has no transform
   olx_scene_free(scene);
 }
 
@@ -261,17 +264,18 @@ static void a_texture_transform_may_name_another_set(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, upside_down, sizeof upside_down, 4, GLTF_FLOAT, "VEC2", false);
-  olx_scene *scene = load(write_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
-                                      TEXTURED(TRANSFORM("\"texCoord\": 1"), TRANSFORM("\"texCoord\": 1"))));
+  olx_scene *scene =
+      load_model(write_square_model(&m, *state, square_with(", \"TEXCOORD_1\": 4"), "[{\"mesh\": 0}]",
+                                    TEXTURED(TRANSFORM("\"texCoord\": 1"), TRANSFORM("\"texCoord\": 1"))));
   assert_null(scene->second_uvs);
-  assert_vec(look_at(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
+  assert_near_vector(look_at_square(scene, 0.25f, 0.75f).base_color, 0, 0, 0.95f, 1e-5f);
   olx_scene_free(scene);
 }
 
 static void a_third_kind_of_coordinates_is_warned_about(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(write_model(
+  olx_scene *scene = load_model(write_square_model(
       &m, *state, square_with(""), "[{\"mesh\": 0}]",
       ", \"materials\": [{\"name\": \"busy\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, "
       "\"normalTexture\": {\"index\": 0" TRANSFORM(
@@ -281,8 +285,8 @@ static void a_third_kind_of_coordinates_is_warned_about(void **state) {
                                                                   "\"images\": "
                                                                   "[{\"uri\": "
                                                                   "\"" FOUR_COLORS "\"}]"));
-  assert_warned(scene, "1 material has textures with more than two kinds of coordinates");
-  assert_warned(scene, "(busy)");
+  assert_model_warned(scene, "1 material has textures with more than two kinds of coordinates");
+  assert_model_warned(scene, "(busy)");
   olx_scene_free(scene);
 }
 
@@ -295,9 +299,10 @@ static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void *
     const char *form = ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], "
                        "\"textures\": [{%s\"extensions\": {\"%s\": {\"source\": 0}}}], \"images\": [{\"uri\": \"%s\"}]";
     snprintf(more, sizeof more, form, "", kinds[i], FOUR_COLORS);
-    assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more), OLX_ERROR_UNSUPPORTED, kinds[i]);
+    assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more),
+                         OLX_ERROR_UNSUPPORTED, kinds[i]);
     snprintf(more, sizeof more, form, "\"source\": 0, ", kinds[i], FOUR_COLORS);
-    olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+    olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
     assert_int_equal(scene->texture_count, 1);
     olx_scene_free(scene);
   }
@@ -324,9 +329,9 @@ static void the_scene_of_the_file_is_the_one_that_is_read(void **state) {
              "{\"POSITION\": 0}, \"indices\": 3}]}], \"accessors\": [%s], \"bufferViews\": [%s], \"buffers\": "
              "[{\"byteLength\": %zu, \"uri\": \"%s\"}]}",
              cases[i].scenes, nodes, m.accessors, m.views, m.size_bytes, uri);
-    olx_scene *scene = load(scene_folder_write_text(*state, "made.gltf", text));
+    olx_scene *scene = load_model(scene_folder_write_text(*state, "made.gltf", text));
     assert_int_equal(scene->triangle_count, cases[i].triangles);
-    assert_vec(scene->bounds_min, cases[i].low, 0, 0, 0);
+    assert_near_vector(scene->bounds_min, cases[i].low, 0, 0, 0);
     olx_scene_free(scene);
   }
   free(uri);
@@ -340,20 +345,20 @@ static void nodes_may_be_nested_but_not_without_end(void **state) {
     char nodes[16384] = "[";
     for (int n = 0; n < depths[i]; ++n) gltf_append(nodes, sizeof nodes, "{\"children\": [%d]}, ", n + 1);
     gltf_append(nodes, sizeof nodes, "{\"mesh\": 0}]");
-    const char *path = write_model(&m, *state, square_with(""), nodes, ", \"materials\": [{}]");
-    if (i == 0) olx_scene_free(load(path));
-    else assert_refused(path, OLX_ERROR_FORMAT, "nested too deep");
+    const char *path = write_square_model(&m, *state, square_with(""), nodes, ", \"materials\": [{}]");
+    if (i == 0) olx_scene_free(load_model(path));
+    else assert_model_refused(path, OLX_ERROR_FORMAT, "nested too deep");
   }
 }
 
 static void skins_and_morphs_are_warned_about(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(
-      write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"targets\": [{\"POSITION\": 0}]}",
-                  "[{\"mesh\": 0, \"skin\": 0}]", ""));
-  assert_warned(scene, "1 skinned meshes stand in their bind pose");
-  assert_warned(scene, "the morph targets of 1 meshes are ignored");
+  olx_scene *scene = load_model(write_square_model(
+      &m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"targets\": [{\"POSITION\": 0}]}",
+      "[{\"mesh\": 0, \"skin\": 0}]", ""));
+  assert_model_warned(scene, "1 skinned meshes stand in their bind pose");
+  assert_model_warned(scene, "the morph targets of 1 meshes are ignored");
   olx_scene_free(scene);
 }
 
@@ -370,21 +375,21 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
   add_square(&m);
   scene_folder_write(*state, "with space.bin", m.bytes, m.size_bytes);
   snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "with%20space.bin");
-  olx_scene *scene = load(scene_folder_write_text(*state, "made.gltf", text));
+  olx_scene *scene = load_model(scene_folder_write_text(*state, "made.gltf", text));
   assert_int_equal(scene->triangle_count, 2);
   char path[600];
   snprintf(path, sizeof path, "%s/with space.bin", ((scene_folder *)*state)->path);
   assert_true(olx_scene_was_read_from(scene, path));
   olx_scene_free(scene);
   snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "gone.bin");
-  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FILE, "buffers[0]: ");
+  assert_model_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FILE, "buffers[0]: ");
   assert_non_null(strstr(olx_last_error(), "gone.bin"));
   snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes + 1, "with%20space.bin");
-  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
-                 "buffers[0]: it has 140 bytes, not the 141 that its byteLength says");
+  assert_model_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
+                       "buffers[0]: it has 140 bytes, not the 141 that its byteLength says");
   snprintf(text, sizeof text, form, m.accessors, m.views, m.size_bytes, "data:text/plain,hello");
-  assert_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
-                 "buffers[0]: its data: URI is not in base64");
+  assert_model_refused(scene_folder_write_text(*state, "made.gltf", text), OLX_ERROR_FORMAT,
+                       "buffers[0]: its data: URI is not in base64");
 }
 
 static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
@@ -395,7 +400,8 @@ static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
     char more[128];
     add_square(&m);
     snprintf(more, sizeof more, ", \"materials\": [{}], \"extensionsRequired\": [\"%s\"]", names[i]);
-    assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more), OLX_ERROR_UNSUPPORTED, names[i]);
+    assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more),
+                         OLX_ERROR_UNSUPPORTED, names[i]);
   }
 }
 
@@ -417,12 +423,12 @@ static void compressed_views_are_decoded(void **state) {
     gltf_add_vertices(&m, names[i], normals, 4, ", \"filter\": \"OCTAHEDRAL\"", "\"normalized\": true, ", GLTF_INT8);
     gltf_add_indices(&m, names[i], i != 0);
     snprintf(more, sizeof more, ", \"extensionsRequired\": [\"%s\"]", names[i]);
-    olx_scene *scene = load(write_model(&m, *state, COMPRESSED, "[{\"mesh\": 0}]", more));
+    olx_scene *scene = load_model(write_square_model(&m, *state, COMPRESSED, "[{\"mesh\": 0}]", more));
     assert_int_equal(scene->triangle_count, 2);
     for (uint32_t v = 0; v < 4; ++v) {
       const float *p = square_positions + 3 * v;
-      assert_vec(scene->positions[v], p[0], p[1], p[2], 1e-4f);
-      assert_vec(scene->normals[v], 0, 0, 1, 1e-6f);
+      assert_near_vector(scene->positions[v], p[0], p[1], p[2], 1e-4f);
+      assert_near_vector(scene->normals[v], 0, 0, 1, 1e-6f);
     }
     olx_scene_free(scene);
   }
@@ -453,8 +459,8 @@ static void broken_compression_is_refused_by_its_view(void **state) {
                                               cases[i].stride, cases[i].mode);
     snprintf(of, sizeof of, "\"bufferView\": %u, ", view);
     gltf_add_accessor(&m, of, 4, GLTF_FLOAT, "VEC3");
-    assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
-                   OLX_ERROR_FORMAT, cases[i].message);
+    assert_model_refused(write_square_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
+                         OLX_ERROR_FORMAT, cases[i].message);
   }
 }
 
@@ -468,16 +474,16 @@ static void compressed_views_share_no_bytes(void **state) {
               "\"byteLength\": %zu, \"byteStride\": 12, \"count\": 4, \"mode\": \"ATTRIBUTES\"}}}",
               size_bytes);
   gltf_add_accessor(&m, "\"bufferView\": 1, ", 4, GLTF_FLOAT, "VEC3");
-  assert_refused(write_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
-                 OLX_ERROR_FORMAT, "bufferViews[1]: it shares its bytes with other compressed views");
+  assert_model_refused(write_square_model(&m, *state, "{\"attributes\": {\"POSITION\": 0}}", "[{\"mesh\": 0}]", ""),
+                       OLX_ERROR_FORMAT, "bufferViews[1]: it shares its bytes with other compressed views");
 }
 
 static void fallback_buffers_are_not_read(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_append(m.views, sizeof m.views, ", {\"buffer\": 1, \"byteLength\": 48}");
-  assert_refused(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"), OLX_ERROR_FORMAT,
-                 "bufferViews[4]: its buffer is a fallback");
+  assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"),
+                       OLX_ERROR_FORMAT, "bufferViews[4]: its buffer is a fallback");
 }
 
 // ---- without memory
@@ -507,7 +513,7 @@ static void files_are_refused_when_memory_ends(void **state) {
   gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
   gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
   gltf_add_indices(&m, "EXT_meshopt_compression", true);
-  const char *path = write_model(
+  const char *path = write_square_model(
       &m, *state,
       "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 4, \"TANGENT\": 5}, "
       "\"indices\": 6, "

@@ -25,14 +25,14 @@ static void vertex_colours_multiply_the_base_colour(void **state) {
   gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
   const char *more = ", \"materials\": [{\"name\": \"m\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.5, "
                      "0.5, 1], \"metallicFactor\": 0}}]";
-  const char *path = write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", more);
-  olx_scene *scene = load(path);
-  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.375f, 0.125f, 0, 1e-5f);
+  const char *path = write_square_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", more);
+  olx_scene *scene = load_model(path);
+  assert_near_vector(look_at_square(scene, 0.5f, 0.25f).base_color, 0.375f, 0.125f, 0, 1e-5f);
   olx_scene_free(scene);
   // A colour in the description replaces vertex colours.
-  scene = load(scene_folder_write_text(
+  scene = load_model(scene_folder_write_text(
       *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"m\": {\"base_color\": [0.25, 0.25, 0.25]}}}"));
-  assert_vec(look_at(scene, 0.5f, 0.25f).base_color, 0.25f, 0.25f, 0.25f, 1e-5f);
+  assert_near_vector(look_at_square(scene, 0.5f, 0.25f).base_color, 0.25f, 0.25f, 0.25f, 1e-5f);
   olx_scene_free(scene);
 }
 
@@ -41,8 +41,8 @@ static void white_vertices_are_as_good_as_none(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, white, sizeof white, 4, GLTF_UINT8, "VEC4", true);
-  olx_scene *scene =
-      load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
+  olx_scene *scene = load_model(
+      write_square_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
   assert_null(scene->colors);
   assert_false(scene->materials[0].vertex_colors);
   olx_scene_free(scene);
@@ -54,11 +54,11 @@ static void the_alpha_of_vertices_masks(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, colors, sizeof colors, 4, GLTF_UINT16, "VEC4", true);
-  olx_scene *scene = load(write_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]",
-                                      ", \"materials\": [{\"alphaMode\": \"MASK\"}]"));
+  olx_scene *scene = load_model(write_square_model(&m, *state, square_with(", \"COLOR_0\": 4"), "[{\"mesh\": 0}]",
+                                                   ", \"materials\": [{\"alphaMode\": \"MASK\"}]"));
   const olx_ray absent = {{0.25f, 0.5f, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, INFINITY};
   assert_int_equal(olx_bvh_intersect(scene->bvh, &absent).triangle, OLX_NO_HIT);
-  look_at(scene, 0.75f, 0.5f);
+  look_at_square(scene, 0.75f, 0.5f);
   olx_scene_free(scene);
 }
 
@@ -73,16 +73,16 @@ static void tangents_of_the_file_go_before_texture_coordinates(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
-  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x > 0.99f);
+  olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", BUMPED));
+  assert_true(look_at_square(scene, 0.5f, 0.25f).shading_normal.x > 0.99f);
   olx_scene_free(scene);
-  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
+  scene = load_model(write_square_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", BUMPED));
+  assert_true(look_at_square(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
   olx_scene_free(scene);
-  scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
-                           "[{\"mesh\": 0, \"rotation\": [0, 0, 0.70710678, 0.70710678], \"translation\": [1, 0, 0]}]",
-                           BUMPED));
-  assert_true(look_at(scene, 0.5f, 0.25f).shading_normal.x < -0.99f);
+  scene = load_model(write_square_model(
+      &m, *state, square_with(", \"TANGENT\": 4"),
+      "[{\"mesh\": 0, \"rotation\": [0, 0, 0.70710678, 0.70710678], \"translation\": [1, 0, 0]}]", BUMPED));
+  assert_true(look_at_square(scene, 0.5f, 0.25f).shading_normal.x < -0.99f);
   olx_scene_free(scene);
 }
 
@@ -99,12 +99,13 @@ static void bitangents_lie_on_the_side_that_tangents_say(void **state) {
     gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
     const char *more = ", \"materials\": [{\"normalTexture\": {\"index\": 0}}], \"textures\": [{\"source\": 0}], "
                        "\"images\": [{\"uri\": \"" UPWARDS "\"}]";
-    olx_scene *scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", more));
-    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
+    olx_scene *scene =
+        load_model(write_square_model(&m, *state, square_with(", \"TANGENT\": 4"), "[{\"mesh\": 0}]", more));
+    assert_true((float)side * look_at_square(scene, 0.5f, 0.25f).shading_normal.y > 0.99f);
     olx_scene_free(scene);
-    scene = load(write_model(&m, *state, square_with(", \"TANGENT\": 4"),
-                             "[{\"mesh\": 0, \"scale\": [1, -1, 1], \"translation\": [0, 1, 0]}]", more));
-    assert_true((float)side * look_at(scene, 0.5f, 0.25f).shading_normal.y < -0.99f);
+    scene = load_model(write_square_model(&m, *state, square_with(", \"TANGENT\": 4"),
+                                          "[{\"mesh\": 0, \"scale\": [1, -1, 1], \"translation\": [0, 1, 0]}]", more));
+    assert_true((float)side * look_at_square(scene, 0.5f, 0.25f).shading_normal.y < -0.99f);
     olx_scene_free(scene);
   }
 }
@@ -125,12 +126,12 @@ static olx_scene *load_specular(const scene_folder *folder, const char *surface,
            "{\"KHR_materials_specular\": {%s}}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
            "\"" FOUR_COLORS "\"}], \"extensionsUsed\": [\"KHR_materials_specular\"]",
            surface, members);
-  return load(write_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
+  return load_model(write_square_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
 }
 
 static void specular_factors_are_weights(void **state) {
   olx_scene *scene = load_specular(*state, "", "\"specularFactor\": 0.25");
-  assert_near(scene->materials[0].specular_weight, 0.25f, 1e-6f);
+  assert_near_number(scene->materials[0].specular_weight, 0.25f, 1e-6f);
   assert_not_warned(scene, "specular");
   olx_scene_free(scene);
 }
@@ -146,9 +147,10 @@ static void specular_colours_count_by_their_luminance(void **state) {
                {"\"specularColorFactor\": [0, 0, 1e6]", 1.0f}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     olx_scene *scene = load_specular(*state, "", cases[i].members);
-    assert_near(scene->materials[0].specular_weight, cases[i].weight, 1e-6f);
-    assert_warned(scene, "1 material has a specular colour: its luminance, up to 1, scales reflections at all angles "
-                         "(dull)");
+    assert_near_number(scene->materials[0].specular_weight, cases[i].weight, 1e-6f);
+    assert_model_warned(scene,
+                        "1 material has a specular colour: its luminance, up to 1, scales reflections at all angles "
+                        "(dull)");
     olx_scene_free(scene);
   }
 }
@@ -158,10 +160,10 @@ static void specular_colours_count_by_their_luminance(void **state) {
 static void assert_surfaces(const olx_scene *scene, const float weights[4], const float roughness[4],
                             const float metallic[4]) {
   for (int i = 0; i < 4; ++i) {
-    const olx_surface s = look_at(scene, i % 2 ? 0.75f : 0.25f, i < 2 ? 0.75f : 0.25f);
-    assert_near(s.bsdf.dielectric_weight, weights[i], 2e-3f);
-    assert_near(s.roughness, roughness[i], 2e-3f);
-    assert_near(s.metallic, metallic[i], 2e-3f);
+    const olx_surface s = look_at_square(scene, i % 2 ? 0.75f : 0.25f, i < 2 ? 0.75f : 0.25f);
+    assert_near_number(s.bsdf.dielectric_weight, weights[i], 2e-3f);
+    assert_near_number(s.roughness, roughness[i], 2e-3f);
+    assert_near_number(s.metallic, metallic[i], 2e-3f);
   }
 }
 
@@ -177,7 +179,7 @@ static void specular_textures_are_weights_texel_by_texel(void **state) {
   scene =
       load_specular(*state, ROUGH, "\"specularColorFactor\": [0.5, 1, 10], \"specularColorTexture\": {\"index\": 0}");
   assert_surfaces(scene, (const float[4]){0.1063f, 0.7152f, 0.722f, 1}, half_rough, quarter_metallic);
-  assert_warned(scene, "a specular colour");
+  assert_model_warned(scene, "a specular colour");
   olx_scene_free(scene);
 }
 
@@ -197,11 +199,11 @@ static void specular_textures_join_that_of_roughness(void **state) {
   assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
   const uint64_t hash = scene->hash;
   olx_scene_free(scene);
-  scene = load(cooked);
+  scene = load_model(cooked);
   assert_true(scene->hash == hash);
   assert_surfaces(scene, weights, roughness, metallic);
   olx_scene_free(scene);
-  scene = load(exported);
+  scene = load_model(exported);
   assert_surfaces(scene, weights, roughness, metallic);
   olx_scene_free(scene);
 }
@@ -209,7 +211,7 @@ static void specular_textures_join_that_of_roughness(void **state) {
 static void descriptions_replace_specular_textures(void **state) {
   olx_scene_free(load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
                                "\"specularTexture\": {\"index\": 0}"));
-  olx_scene *scene = load(scene_folder_write_text(
+  olx_scene *scene = load_model(scene_folder_write_text(
       *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"dull\": {\"specular\": 0.5}}}"));
   assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
   olx_scene_free(scene);
@@ -220,32 +222,34 @@ static void specular_textures_that_lie_elsewhere_are_left_out(void **state) {
       load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
                     "\"specularFactor\": 0.5, \"specularTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}");
   assert_surfaces(scene, half_rough, (const float[4]){0, 0.5f, 0, 0.5f}, (const float[4]){0, 0, 0.25f, 0.25f});
-  assert_warned(scene, "1 material has specular textures with other coordinates than the roughness texture: they are "
-                       "left out (dull)");
+  assert_model_warned(scene,
+                      "1 material has specular textures with other coordinates than the roughness texture: they are "
+                      "left out (dull)");
   olx_scene_free(scene);
 }
 
 static void specular_textures_that_cannot_be_read_leave_the_factors(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(write_model(
+  olx_scene *scene = load_model(write_square_model(
       &m, *state, square_with(""), "[{\"mesh\": 0}]",
       ", \"materials\": [{\"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.5, "
       "\"specularColorFactor\": [0.5, 0.5, 0.5], \"specularTexture\": {\"index\": 0}}}}], \"textures\": [{\"source\": "
       "0}], \"images\": [{\"uri\": \"missing.png\"}]"));
-  assert_near(look_at(scene, 0.5f, 0.5f).bsdf.dielectric_weight, 0.25f, 1e-6f);
-  assert_warned(scene, "texture left out");
+  assert_near_number(look_at_square(scene, 0.5f, 0.5f).bsdf.dielectric_weight, 0.25f, 1e-6f);
+  assert_model_warned(scene, "texture left out");
   olx_scene_free(scene);
 }
 
 static void extensions_that_are_ignored_are_named(void **state) {
   gltf_maker m = {0};
   add_square(&m);
-  olx_scene *scene = load(write_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
-                                      ", \"materials\": [{}], \"extensionsUsed\": [\"KHR_materials_unlit\", "
-                                      "\"ABC_unheard_of\"]"));
-  assert_warned(scene, "the glTF extension KHR_materials_unlit is ignored");
-  assert_warned(scene, "the glTF extension ABC_unheard_of is ignored");
+  olx_scene *scene =
+      load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
+                                    ", \"materials\": [{}], \"extensionsUsed\": [\"KHR_materials_unlit\", "
+                                    "\"ABC_unheard_of\"]"));
+  assert_model_warned(scene, "the glTF extension KHR_materials_unlit is ignored");
+  assert_model_warned(scene, "the glTF extension ABC_unheard_of is ignored");
   olx_scene_free(scene);
 }
 
@@ -256,14 +260,14 @@ static void cooked_scenes_keep_all_that_vertices_have(void **state) {
   add_square(&m);
   gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
   gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
-  const char *model = write_model(
+  const char *model = write_square_model(
       &m, *state, square_with(", \"COLOR_0\": 4, \"TANGENT\": 5"), "[{\"mesh\": 0}]",
       ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
       "{\"index\": 0" TRANSFORM(
           "\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" SIDEWAYS "\"}]");
   char path[600];
   snprintf(path, sizeof path, "%s/made.olxs", ((scene_folder *)*state)->path);
-  olx_scene *scene = load(model), *cooked = NULL;
+  olx_scene *scene = load_model(model), *cooked = NULL;
   assert_true(scene->colors && scene->tangents && scene->second_uvs);
   assert_int_equal(olx_scene_cook(scene, path, NULL), OLX_OK);
   if (olx_scene_load_cooked(path, &cooked) != OLX_OK) fail_msg("%s", olx_last_error());

@@ -2,7 +2,8 @@
 
 A bake with a work folder is killed with SIGKILL at random moments, over and over, and begun again until it is done; then the next one
 begins, until there were KILLS kills. Every field must be that of a bake without a work folder, byte for byte, no unit may be made to its
-end twice, and nothing but the field may be left."""
+end twice before the field is there, and nothing but the field may be left. A kill after the field is written may hit the removal of the
+work folder: the field is whole then, and a bake that is begun again makes anew what is removed already."""
 import json
 import os
 import random
@@ -12,7 +13,7 @@ import time
 
 
 def run(command, seconds=None):
-    """Exit code, or None when it was killed after `seconds`; and the units that it told of."""
+    """Exit code, or None when it was killed after `seconds`; and the units that it reported."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     if seconds is not None:
         try:
@@ -34,12 +35,17 @@ def read(path):
         return file.read()
 
 
-def bake_with_kills(bake, work, most_seconds, kills, chance):
+def check_field(path, wanted):
+    if read(path) != wanted:
+        sys.exit("another field after kills")
+
+
+def bake_with_kills(bake, field, wanted, work, most_seconds, kills, chance):
     """Until it is done, with at most that many kills; how many there were."""
     made, killed = {}, 0
     while True:
-        wanted = killed < kills
-        code, units = run(bake + ["--work", work, "--progress=json"], chance.uniform(0.0, most_seconds) if wanted else None)
+        seconds = chance.uniform(0.0, most_seconds) if killed < kills else None
+        code, units = run(bake + ["--work", work, "--progress=json"], seconds)
         for unit in units:
             key = (unit["stage"], unit["round"], unit["unit"])
             if not unit["found"]:
@@ -50,6 +56,9 @@ def bake_with_kills(bake, work, most_seconds, kills, chance):
                 sys.exit("made more than once: %s" % twice)
             return killed
         killed += 1
+        if os.path.exists(field):
+            check_field(field, wanted)
+            made.clear()
 
 
 def main(folder, kills, seed, program, *options):
@@ -61,10 +70,9 @@ def main(folder, kills, seed, program, *options):
     seconds, wanted, bakes = time.monotonic() - start, read(field), 0
     while kills > 0:
         os.remove(field)
-        kills -= bake_with_kills(bake, work, seconds, kills, chance)
+        kills -= bake_with_kills(bake, field, wanted, work, seconds, kills, chance)
         bakes += 1
-        if read(field) != wanted:
-            sys.exit("another field after kills")
+        check_field(field, wanted)
         if os.listdir(folder) != ["field.olx"]:
             sys.exit("left behind: %s" % os.listdir(folder))
     print("%d bakes of %.2f s each" % (bakes, seconds))

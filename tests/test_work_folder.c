@@ -20,11 +20,14 @@
 
 enum { MOST_CALLS = 64 };
 
-// The program's calls of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename.
+// The program's calls of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename, 'u'nlinking of
+// a unit, unlinking of the 'm'anifest.
 static struct {
   char calls[MOST_CALLS];
   uint32_t count;
-  bool full; // whether the disk refuses further writes
+  bool full;             // whether the disk refuses further writes
+  uint32_t most_unlinks; // unless 0, how many files can be removed, as if the program were killed then
+  uint32_t unlinks;
 } disk;
 
 static void note(char call) {
@@ -49,6 +52,13 @@ int fsync(int descriptor) {
 int renameat(int from_folder, const char *from, int to_folder, const char *to) {
   note('r');
   return (int)syscall(SYS_renameat2, from_folder, from, to_folder, to, 0);
+}
+
+int unlinkat(int folder, const char *name, int flags) {
+  note(strcmp(name, "manifest-0-0.unit") == 0 ? 'm' : 'u');
+  if (disk.most_unlinks && disk.unlinks == disk.most_unlinks) return -1;
+  disk.unlinks++;
+  return (int)syscall(SYS_unlinkat, folder, name, flags);
 }
 
 typedef struct place {
@@ -79,6 +89,15 @@ static int remove_place(void **state) {
 static const char *file_in(place *p, const char *name) {
   snprintf(p->file, sizeof p->file, "%s/%s", p->folder, name);
   return p->file;
+}
+
+static uint32_t count_files(const char *folder) {
+  DIR *entries = opendir(folder);
+  uint32_t count = 0;
+  assert_non_null(entries);
+  while (readdir(entries)) count++;
+  closedir(entries);
+  return count - 2; // without . and ..
 }
 
 static bool exists(const char *path) {
@@ -324,6 +343,42 @@ static void only_what_the_manifest_names_is_removed(void **state) {
   assert_false(exists(file_in(p, "manifest-0-0.unit")));
 }
 
+enum { STORED = 12 };
+
+static void put_units(olx_work_folder *folder) {
+  for (uint32_t i = 0; i < STORED; i++) put_text(folder, &(olx_unit_name){"probe", 0, i}, "a result");
+}
+
+static void the_manifest_outlives_the_units(void **state) {
+  place *p = *state;
+  olx_work_folder *folder = opened(p);
+  put_units(folder);
+  memset(&disk, 0, sizeof disk);
+  olx_work_folder_remove(folder);
+  const char *marked = strchr(disk.calls, 'r'), *unit = strchr(disk.calls, 'u');
+  assert_true(marked && unit && marked < unit);
+  assert_string_equal(unit, "uuuuuuuuuuuum");
+}
+
+// A folder whose removal a killed program has begun belongs to no bake: the next one clears it, whatever bake it is.
+static void a_folder_that_is_half_removed_is_begun_anew(void **state) {
+  place *p = *state;
+  const olx_manifest moved = manifest_of("b", "avx2");
+  olx_work_folder *folder = opened(p);
+  put_units(folder);
+  memset(&disk, 0, sizeof disk);
+  disk.most_unlinks = 5;
+  olx_work_folder_remove(folder);
+  assert_int_equal(count_files(p->folder), STORED - 5 + 1);
+  assert_int_equal(open_as(p, NULL, OLX_WORK_ALONE, false, &folder), OLX_ERROR_FILE);
+  assert_non_null(strstr(olx_last_error(), "its bake is finished"));
+  disk.most_unlinks = 0;
+  assert_int_equal(open_as(p, &moved, OLX_WORK_ALONE, false, &folder), OLX_OK);
+  assert_int_equal(count_files(p->folder), 1);
+  olx_work_folder_remove(folder);
+  assert_false(exists(p->folder));
+}
+
 static void links_in_the_folder_are_not_followed(void **state) {
   place *p = *state;
   char target[512];
@@ -559,6 +614,8 @@ int main(void) {
       IN_A_PLACE(folders_that_are_not_ours_are_refused_and_left_alone),
       IN_A_PLACE(a_folder_with_a_damaged_manifest_is_left_alone),
       IN_A_PLACE(only_what_the_manifest_names_is_removed),
+      IN_A_PLACE(the_manifest_outlives_the_units),
+      IN_A_PLACE(a_folder_that_is_half_removed_is_begun_anew),
       IN_A_PLACE(links_in_the_folder_are_not_followed),
       IN_A_PLACE(who_works_alone_keeps_others_out),
       cmocka_unit_test(without_a_store_every_unit_is_made),

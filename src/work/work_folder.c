@@ -249,7 +249,14 @@ typedef struct folder_content {
   bool foreign;   // it holds something that is neither a unit of the manifest's stages nor a temporary file
 } folder_content;
 
-// Visits every entry, and removes units with `remove`.
+static bool is_manifest(const char *file) {
+  char own[NAME_BYTES];
+  file_of(&manifest_name, own);
+  return strcmp(file, own) == 0;
+}
+
+// Visits every entry, and removes units with `remove`. The manifest stays, because a program that is killed here leaves
+// units that only the manifest accounts for.
 static olx_result go_through(const olx_work_folder *f, bool remove, folder_content *content) {
   *content = (folder_content){0};
   const int descriptor = openat(f->descriptor, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -264,7 +271,7 @@ static olx_result go_through(const olx_work_folder *f, bool remove, folder_conte
     const bool unit = is_named(f, entry->d_name) && is_file(f, entry->d_name, &status);
     content->bytes += unit ? (uint64_t)status.st_size : 0;
     content->foreign |= !unit && !olx_is_temporary_name(entry->d_name);
-    if (unit && remove) unlinkat(f->descriptor, entry->d_name, 0);
+    if (unit && remove && !is_manifest(entry->d_name)) unlinkat(f->descriptor, entry->d_name, 0);
   }
   closedir(entries);
   return OLX_OK;
@@ -300,12 +307,23 @@ static olx_result write_manifest(olx_work_folder *f, const olx_manifest *manifes
   return OLX_OK;
 }
 
-// Clears the folder. The manifest is removed last, so that a killed program leaves no file that it does not account
-// for.
-static olx_result begin_again(olx_work_folder *f, const olx_manifest *manifest) {
+static bool is_being_cleared(const olx_work_folder *f) { return *olx_manifest_find(&f->manifest, "cleared").text; }
+
+// Removes all units. The manifest says so first, so that the next program continues with the removal where this one is
+// killed; a full disk does not keep the units from being removed.
+static olx_result clear(olx_work_folder *f) {
   folder_content content;
+  olx_manifest marked = f->manifest;
+  olx_manifest_add(&marked, "cleared", "yes");
+  if (write_manifest(f, &marked) != OLX_OK) olx_log(OLX_LOG_WARNING, "%s", olx_last_error());
   OLX_TRY(go_through(f, true, &content));
   f->bytes = 0;
+  return OLX_OK;
+}
+
+// Clears the folder. The new manifest replaces the old one once the old one's units are gone.
+static olx_result begin_again(olx_work_folder *f, const olx_manifest *manifest) {
+  OLX_TRY(clear(f));
   return write_manifest(f, manifest);
 }
 
@@ -313,7 +331,8 @@ static olx_result use_manifest(olx_work_folder *f, const olx_work_folder_setting
   const olx_manifest *manifest = settings->manifest;
   folder_content content;
   OLX_TRY(read_manifest(f));
-  if (settings->fresh && manifest) return begin_again(f, manifest);
+  if (manifest && (settings->fresh || is_being_cleared(f))) return begin_again(f, manifest);
+  if (is_being_cleared(f)) return olx_fail(OLX_ERROR_FILE, "%s: its bake is finished, and its units are gone", f->path);
   if (manifest && strcmp(manifest->text, f->manifest.text) != 0) return refuse_other_bake(f, manifest);
   OLX_TRY(go_through(f, false, &content));
   f->bytes = content.bytes;
@@ -409,8 +428,7 @@ void olx_work_folder_close(olx_work_folder *f) {
 }
 
 void olx_work_folder_remove(olx_work_folder *f) {
-  folder_content content;
-  if (go_through(f, true, &content) == OLX_OK) olx_work_folder_drop(f, &manifest_name);
+  if (clear(f) == OLX_OK) olx_work_folder_drop(f, &manifest_name);
   olx_temporary_reclaim(f->descriptor);
   if (rmdir(f->path) != 0) olx_log(OLX_LOG_WARNING, "%s: the work folder stays: %s", f->path, strerror(errno));
   olx_work_folder_close(f);

@@ -33,6 +33,7 @@ typedef struct point {
   olx_surface surface;
   olx_vec3 half[2]; // reference, from two halves of the paths
   olx_vec3 found[2];
+  bool interpolated; // in the first solution; else its light is gathered
 } point;
 
 typedef struct job {
@@ -79,6 +80,8 @@ static void look_up(void *user, uint32_t i) {
   if (!j->points[i].valid) return;
   for (uint32_t k = 0; k < 2; k++)
     j->points[i].found[k] = olx_scene_light_irradiance(j->light[k], &j->points[i].surface);
+  olx_vec3 light;
+  j->points[i].interpolated = olx_scene_light_interpolate(j->light[0], &j->points[i].surface, &light);
 }
 
 static double dot3(olx_vec3 a, olx_vec3 b) { return (double)a.x * b.x + (double)a.y * b.y + (double)a.z * b.z; }
@@ -120,6 +123,25 @@ static void report_points(const job *j, uint32_t count) {
          error / squares, worst / squares, 100 * bias / sum, 100 * sqrt(two / squares), 100.0 * bright / valid,
          100.0 * dark / valid);
   free(each);
+}
+
+// The part of the points whose light is interpolated, or gathered, in the error and the difference of all.
+static void report_part(const job *j, uint32_t count, bool interpolated) {
+  double squares = 0, error = 0, two = 0;
+  uint32_t valid = 0, part = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    const point *p = &j->points[i];
+    if (!p->valid) continue;
+    valid++;
+    squares += dot3(p->half[0], p->half[1]);
+    if (p->interpolated != interpolated) continue;
+    const olx_vec3 between = olx_sub(p->found[0], p->found[1]);
+    part++;
+    error += dot3(olx_sub(p->found[0], p->half[0]), olx_sub(p->found[0], p->half[1]));
+    two += dot3(between, between);
+  }
+  printf("%s: %.1f %% of the points; relative MSE %.5f, squared difference of two seeds %.5f, as parts of all\n",
+         interpolated ? "interpolated" : "gathered", 100.0 * part / valid, error / squares, two / squares);
 }
 
 static void print_report(const olx_scene_light_report *r) {
@@ -176,5 +198,7 @@ int study_light_quality(int argc, char **argv) {
   for (uint32_t i = 0; i < points; i++) look_up(&j, i);
   printf("%.2f us a look-up\n", 1e6 * (olx_thread_seconds() - start) / (2.0 * points));
   report_points(&j, points);
+  report_part(&j, points, true);
+  report_part(&j, points, false);
   return 0;
 }

@@ -19,7 +19,7 @@ bake_options bake_options_begin(void);
 extern const option bake_basic_options[], bake_quality_options[], bake_research_options[];
 
 double grid_probe_count(const olx_grid *grid);
-// Number of irradiance probes; 0 without probe light.
+// Returns the number of irradiance probes; 0 without probe light.
 double irradiance_probe_count(const olx_bake_settings *settings);
 double light_probe_count(const olx_bake_settings *settings);
 

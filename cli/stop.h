@@ -18,10 +18,10 @@ void stop_hand_over(void);
 void stop_work_begin(void);
 void stop_work_end(void);
 
-// Whether a signal was received.
+// Returns whether a signal was received.
 bool stop_requested(void);
 
-// The exit code: 128 + the signal's number when one was received, otherwise `code`.
+// Returns the exit code: 128 + the signal's number when one was received, otherwise `code`.
 int stop_exit_code(int code);
 
 // Registers a temporary folder, which is removed with its files when the program is ended at once. NULL: none. The path

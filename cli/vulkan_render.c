@@ -193,8 +193,8 @@ static bool light_classically(vulkan_job *job, const olx_image *image) {
   return fine && add_diffuse(job, 1.0f, image) && add_glossy(job, 1.0f, image);
 }
 
-// Number of a sample's rays that one dispatch traces, a divisor of their number. Long dispatches are avoided because
-// llvmpipe limits all loops of a thread to 65535 iterations in total.
+// Returns the number of a sample's rays that one dispatch traces, a divisor of their number. Long dispatches are
+// avoided because llvmpipe limits all loops of a thread to 65535 iterations in total.
 static uint32_t rays_at_once(uint32_t rays) {
   uint32_t some = 4;
   while (rays % some) some--;

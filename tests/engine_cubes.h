@@ -34,7 +34,7 @@ lit_points lit_surfaces(const olx_scene *scene, const olx_field *field, uint32_t
 lit_points lit_space(const olx_field *field, uint32_t tries);
 void lit_points_free(lit_points *points);
 
-// Relative MSE of the engine's light: sum (a - b)^2 / sum b^2.
+// Returns the relative MSE of the engine's light: sum (a - b)^2 / sum b^2.
 double engine_error(const engine_volume *volume, const lit_points *points);
 
 #endif

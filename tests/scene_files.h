@@ -14,7 +14,7 @@ typedef struct scene_folder {
 bool scene_folder_create(scene_folder *folder);
 // Remove the folder with all files in it.
 void scene_folder_remove(const scene_folder *folder);
-// A set-up function for cmocka: *state becomes a new folder, and messages are discarded.
+// Returns a set-up function for cmocka: *state becomes a new folder, and messages are discarded.
 int scene_folder_set_up(void **state);
 int scene_folder_tear_down(void **state);
 // Write a file and return its path, which is valid for the next three calls on this thread.

@@ -19,7 +19,7 @@ typedef struct olx_cube_face {
 } olx_cube_face;
 olx_cube_face olx_cube_face_of(uint32_t face);
 
-// The direction of a point on a face, not normalized: u and v from -1 to 1.
+// Returns the direction of a point on a face, not normalized: u and v from -1 to 1.
 static inline olx_vec3 olx_cube_direction(const olx_cube_face *face, float u, float v) {
   return olx_madd(olx_madd(face->axis, face->right, u), face->up, v);
 }

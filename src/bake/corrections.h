@@ -41,7 +41,7 @@ typedef struct olx_corrections {
   double norm[3];
 } olx_corrections;
 
-// Memory for that many unknowns, olx_corrections_bytes of it; solution is 0. False when there is none;
+// Allocates memory for that many unknowns, olx_corrections_bytes of it; solution is 0. False when there is none;
 // olx_corrections_free then too.
 size_t olx_corrections_bytes(size_t unknowns);
 bool olx_corrections_allocate(olx_corrections *c, size_t unknowns);

@@ -13,7 +13,8 @@ olx_result olx_gather_link(olx_gather *gather);
 // Computes the light of bounce `bounce`, at least 1, from the bounce before.
 olx_result olx_gather_bounce(olx_gather *gather, uint32_t bounce);
 
-// Whether bounce `bounce`, at least 1, raises the irradiance of the bounce before by more than a share of 2^-10.
+// Returns whether bounce `bounce`, at least 1, raises the irradiance of the bounce before by more than a share of
+// 2^-10.
 bool olx_gather_brought_light(const olx_gather *gather, uint32_t bounce);
 // Counts the work of this many skipped bounces as done.
 void olx_gather_skip(olx_gather *gather, uint32_t bounces);

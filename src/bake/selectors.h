@@ -13,7 +13,7 @@ typedef struct olx_selector_blobs {
   size_t size_bytes[OLX_SELECT_STORED];
 } olx_selector_blobs;
 
-// A bit (1 << olx_select) for each selector that can be baked.
+// Returns a bit (1 << olx_select) for each selector that can be baked.
 uint32_t olx_selectors_known(void);
 
 // Build what `mask` names. The blobs are the caller's to free, also after a failure; begin with zeroes.

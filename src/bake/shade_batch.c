@@ -126,13 +126,14 @@ static olx_vec3 to_local(olx_vec3 v, olx_vec3 tangent, olx_vec3 bitangent, olx_v
   return olx_v3(olx_dot(v, tangent), olx_dot(v, bitangent), olx_dot(v, normal));
 }
 
-// A shadow ray's share, by the balance heuristic, of light that a reflected ray drawn with density `pdf` can find too.
+// Returns a shadow ray's share, by the balance heuristic, of light that a reflected ray drawn with density `pdf` can
+// find too.
 static float shadow_share(const olx_light_sample *light, uint32_t samples, float pdf) {
   const float density = light->pdf * (float)samples;
   return light->delta ? 1.0f : density / (density + pdf);
 }
 
-// Light that an unoccluded sample sends to the eye.
+// Returns the light that an unoccluded sample sends to the eye.
 static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const olx_light_sample *light,
                                 uint32_t samples) {
   const olx_surface *s = &batch->surface[i];
@@ -212,7 +213,8 @@ static void add_shared_light(olx_shade_scratch *scratch, olx_shade_batch *batch,
   rays->count = 0;
 }
 
-// The first rays of few points. When none of them finds the light, few others send rays, and theirs count for all.
+// Casts the first rays of few points. When none of them finds the light, few others send rays, and theirs count for
+// all.
 static void add_light_sparingly(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
                                 light_rays *rays) {
   uint32_t number = 0;
@@ -323,12 +325,12 @@ static bool reflect_path(const olx_shade_batch *batch, olx_shade_path *path, uin
   return true;
 }
 
-// The reflected ray's share of light that shadow rays sample too.
+// Returns the reflected ray's share of light that shadow rays sample too.
 static float light_share(const olx_shade_batch *from, const olx_shade_path *path, float light_pdf) {
   return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)from->light_samples) : 1.0f;
 }
 
-// Light that a ray gets from the emitter or the sky at its end.
+// Returns the light that a ray gets from the emitter or the sky at its end.
 static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_batch *from, const olx_shade_path *path,
                              const olx_surface *end) {
   if (!end) {

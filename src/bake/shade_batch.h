@@ -94,11 +94,11 @@ typedef struct olx_shade_context {
 
 void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t seed);
 
-// A probe's or a point's key for random numbers, in this bake.
+// Returns a probe's or a point's key for random numbers, in this bake.
 static inline uint32_t olx_shade_key(const olx_shade_context *context, uint32_t key) { return key ^ context->seed; }
 void olx_shade_context_end(olx_shade_context *context);
 
-// A thread's working memory for one job, or NULL after noting that there is none.
+// Returns a thread's working memory for one job, or NULL after noting that there is none.
 olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
 // OLX_ERROR_MEMORY once some thread got no working memory, so that what its jobs should have made is missing.

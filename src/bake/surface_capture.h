@@ -26,7 +26,8 @@ typedef struct olx_surface_capture {
 
 // The fields up to `light` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
-// Bytes that the maps of a probe take, of what is described so far but for `light`; `solved`: there will be one.
+// Returns the bytes that the maps of a probe take, of what is described so far but for `light`; `solved`: there will be
+// one.
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *surfaces, bool solved);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
@@ -38,7 +39,7 @@ uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 // rays.
 olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, bool buried, olx_surface_maps *maps);
 
-// The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.
+// Collects the lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.
 olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights);
 
 #endif

@@ -49,7 +49,7 @@ uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved) {
   return (uint64_t)probe_count * POINTS_PER_PROBE * units_of_point(solved);
 }
 
-// A ray from a surface into the half space it faces, cosine distributed.
+// Returns a ray from a surface into the half space it faces, cosine distributed.
 static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_t seed) {
   const olx_vec3 local = olx_sample_cosine(olx_stratified2(index, seed));
   return olx_surface_ray(surface, olx_normalize(olx_from_basis(local, surface->geometric_normal)), INFINITY);
@@ -106,7 +106,7 @@ static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_sc
   }
 }
 
-// One ray through the specular lobe of every point that has a narrow one; returns their count.
+// Draws one ray through the specular lobe of every point that has a narrow one; returns their count.
 static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   uint32_t count = 0;
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
@@ -116,7 +116,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   return count;
 }
 
-// The solution's irradiance at the point, about the geometric normal, as the point's rays are.
+// Returns the solution's irradiance at the point, about the geometric normal, as the point's rays are.
 static olx_vec3 solved_irradiance(const olx_surface_fit *fit, const olx_surface *surface) {
   olx_surface flat = *surface;
   flat.shading_normal = surface->geometric_normal;

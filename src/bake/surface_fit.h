@@ -34,11 +34,11 @@ void olx_surface_fit_free(olx_surface_fit *fit);
 // Units of progress of one creation, in rays; `solved`: irradiance comes from a solution.
 uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved);
 
-// The memory that a fit holds.
+// Returns the memory that a fit holds.
 uint64_t olx_surface_fit_bytes(uint32_t probe_count, bool solved);
 
-// The corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured with the
-// light of the bounces before; of `light`, all of it, whatever the bounce.
+// Solves for the corrections of `source`, float irradiance maps of bounce `bounce` (0: direct light alone), measured
+// with the light of the bounces before; of `light`, all of it, whatever the bounce.
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
 
 // Point `index`, OLX_FIT_POINTS_PER_PROBE of them a probe: where it is, and what OLX_FIT_RAYS rays
@@ -55,7 +55,7 @@ typedef struct olx_surface_measurement {
 } olx_surface_measurement;
 bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx_surface_measurement *measurement);
 
-// The correction that was solved last, for a direction of a probe's map.
+// Returns the correction that was solved last, for a direction of a probe's map.
 olx_vec3 olx_surface_fit_correction(const olx_surface_fit *fit, uint32_t probe, olx_vec2 uv);
 
 #endif

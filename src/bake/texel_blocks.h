@@ -6,7 +6,7 @@
 #include "block/geometry_block.h"
 #include "scene/surface.h"
 
-// Index of the i-th texel of a block in a map whose rows lie one after the other.
+// Returns the index of the i-th texel of a block in a map whose rows lie one after the other.
 static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t block, uint32_t i) {
   const uint32_t blocks = capture->size / OLX_BLOCK_SIDE;
   const uint32_t x = block % blocks * OLX_BLOCK_SIDE + i % OLX_BLOCK_SIDE,
@@ -22,11 +22,11 @@ typedef struct olx_block_surfaces {
 
 void olx_block_look(const olx_capture *capture, uint32_t block, olx_block_surfaces *surfaces);
 
-// Whether all texels see one plane.
+// Returns whether all texels see one plane.
 bool olx_block_is_flat(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces);
 
-// Whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is found
-// for one.
+// Returns whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is
+// found for one.
 bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces, uint32_t texel,
                       uint32_t other);
 

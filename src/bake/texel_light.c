@@ -43,8 +43,8 @@ static uint32_t texels_apart(uint32_t a, uint32_t b) {
   return columns > rows ? columns : rows;
 }
 
-// The gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie on its
-// surface; NOT_FOUND when there is none.
+// Returns the gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie
+// on its surface; NOT_FOUND when there is none.
 static uint32_t find_gathered(const texel_light *t, uint32_t block, const gathered_texels *g,
                               const olx_block_surfaces *s, uint32_t texel) {
   const uint32_t shared = t->capture->size / SHARED_SHARE;

@@ -17,7 +17,7 @@ olx_vec3 olx_texel_reflected(const olx_bsdf *bsdf, float cosine, olx_vec3 irradi
   return olx_scale(olx_mul(albedo, irradiance), 1.0f / OLX_PI);
 }
 
-// Light that arrives along the lobe's ray.
+// Returns the light that arrives along the lobe's ray.
 static olx_vec3 arriving(const olx_lobe_source *source, const olx_surface *surface, const olx_lobe_ray *lobe,
                          olx_sampler *sampler, uint64_t *rays) {
   const olx_scene *scene = source->scene;

@@ -9,7 +9,7 @@
 #include "light/scene_light.h"
 #include "light/sampler.h"
 
-// Whether the surface's specular lobe is traced for the probe's view.
+// Returns whether the surface's specular lobe is traced for the probe's view.
 bool olx_texel_is_mirror(const olx_bsdf *bsdf);
 
 // What the surface reflects of `irradiance`, both lobes of surfaces that are not mirrors. `cosine`: of its normal and

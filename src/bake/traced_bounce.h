@@ -28,14 +28,14 @@ typedef struct olx_traced_bounce {
 } olx_traced_bounce;
 
 olx_result olx_traced_bounce_create(olx_traced_bounce *traced);
-// The memory that it holds, for so many probes of so many gather points.
+// Returns the memory that a bounce holds, for so many probes of so many gather points.
 uint64_t olx_traced_bounce_bytes(uint32_t probe_count, uint32_t gather_points);
 void olx_traced_bounce_free(olx_traced_bounce *traced);
 
 // Casts the rays. The hits must be known.
 olx_result olx_traced_bounce_link(olx_traced_bounce *traced);
 
-// Irradiance of bounce `bounce` (0: of direct light) at gather point `point`, over all probes.
+// Returns the irradiance of bounce `bounce` (0: of direct light) at gather point `point`, over all probes.
 olx_vec3 olx_traced_irradiance(const olx_traced_bounce *traced, size_t point, uint32_t bounce);
 
 // Where the light of a bounce is stored.

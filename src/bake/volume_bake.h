@@ -14,10 +14,10 @@ typedef struct olx_volume_bake {
   olx_volume_cells cells; // made first
 } olx_volume_bake;
 
-// Whether a bake with such settings makes a volume, where there is free space.
+// Returns whether a bake with such settings makes a volume, where there is free space.
 bool olx_volume_is_baked(const olx_bake_settings *settings);
 
-// The cells, and the share of surfaces in sight of probes at which there is none.
+// Makes the cells, and measures the share of surfaces in sight of probes at which there is none.
 olx_result olx_volume_bake_create(olx_volume_bake *bake, olx_bake_stats *stats);
 // The light of the probes, by units of the store, to the file; `writer` is NULL where there is none. `light` is not
 // needed to join.

@@ -154,8 +154,8 @@ static olx_result corner_probe(builder *b, uint64_t key, olx_vec3 position, uint
   return olx_cell_table_set(&b->corners, key, *probe);
 }
 
-// A place that stands in for the same corner already, when this side sees it and it is as near to the corner; else a
-// new one.
+// Finds a place that already replaces the same corner, when this side sees it and it is as near to the corner;
+// otherwise makes a new one.
 static olx_result stand_in_probe(builder *b, uint64_t key, olx_vec3 corner, olx_vec3 anchor, olx_vec3 position,
                                  uint32_t *probe) {
   const float reach = SHARED_DISTANCE * olx_length(olx_sub(position, corner));
@@ -185,7 +185,7 @@ static olx_result add_side(builder *b, const leaf *l, const olx_volume_side *sid
   return OLX_OK;
 }
 
-// An entry of a leaf's own numbers as one of the whole structure.
+// Converts an entry from a leaf's own numbers to those of the whole structure.
 static uint32_t global_entry(const leaf *l, uint32_t entry, uint32_t first_cell, uint32_t first_split) {
   const uint32_t number = entry & OLX_VOLUME_NUMBER;
   switch (entry & OLX_VOLUME_KIND) {
@@ -195,7 +195,7 @@ static uint32_t global_entry(const leaf *l, uint32_t entry, uint32_t first_cell,
   }
 }
 
-// The block that an entry names, which becomes one where it names nothing.
+// Finds the block that an entry names, which becomes one where it names nothing.
 static olx_result block_at(builder *b, uint32_t *entry, uint32_t *block) {
   if (*entry == 0) {
     if (b->header.blocks == b->block_capacity) {

@@ -20,7 +20,7 @@ typedef struct light_job {
   uint64_t *rays; // a job
 } light_job;
 
-// The bits of a number but its exponent, so that random numbers do not depend on the unit of length.
+// Returns the bits of a number except its exponent, so that random numbers do not depend on the unit of length.
 static uint32_t mantissa_bits(float value) {
   union {
     float value;

@@ -19,8 +19,8 @@ typedef struct olx_volume_light {
 olx_result olx_volume_light_make(olx_volume_light *volume, const olx_vec3 *positions, uint32_t count,
                                  uint16_t *irradiance);
 
-// Share of the surfaces that probes at `positions` with flags[i] == 0 see, by solid angle, at which the volume has no
-// cell.
+// Finds the share of the surfaces that probes at `positions` with flags[i] == 0 see, by solid angle, at which the
+// volume has no cell.
 olx_result olx_volume_unserved(const olx_scene *scene, const olx_volume *volume, const olx_vec3 *positions,
                                const uint8_t *flags, uint32_t count, double *share);
 

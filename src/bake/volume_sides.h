@@ -23,8 +23,8 @@ typedef struct olx_volume_sides {
 
 olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner);
 
-// The sides of the cube with that low corner; places will be looked up `lift` metres before their surface. Depends on
-// the arguments alone.
+// Finds the sides of the cube with that low corner; places will be looked up `lift` metres before their surface.
+// Depends on the arguments alone.
 void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, float lift,
                            olx_volume_sides *sides);
 

@@ -122,7 +122,7 @@ bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 
 
 static bool is_outside(const olx_volume_space *s, size_t voxel) { return s->outside[voxel]; }
 
-// Whether the place is in a voxel of a kind without surfaces, or sees such a one beside it.
+// Returns whether the place is in a voxel of a kind without surfaces, or sees such a one beside it.
 static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind)(const olx_volume_space *, size_t)) {
   const olx_voxels *v = &s->space.voxels;
   const size_t own = olx_voxel_at(v, place);

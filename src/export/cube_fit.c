@@ -24,7 +24,7 @@ typedef struct cube_fit {
   float momentum;
 } cube_fit;
 
-// The light that the engine shows at a point of a grid with these values.
+// Returns the light that the engine shows at a point of a grid with these values.
 static olx_vec3 look_up(const olx_vec3 *values, size_t voxels, const olx_cube_steps *steps, const olx_cube_point *p) {
   olx_vec3 sum = {0};
   for (uint32_t axis = 0; axis < 3; axis++) {

@@ -165,7 +165,7 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
   return olx_scale(radiance, power_heuristic(ray->pdf, olx_environment_pdf(scene, ray->direction)));
 }
 
-// The emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
+// Returns the emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
 static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const olx_lobe_ray *lobe, uint64_t *rays) {
   if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
   const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);

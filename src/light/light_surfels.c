@@ -87,7 +87,7 @@ static place place_of(const olx_scene *scene, const olx_surface_point *p) {
   return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
 }
 
-// Whether nothing lies between two neighbouring places.
+// Returns whether nothing lies between two neighbouring places.
 static bool is_clear(const olx_light_surfels *s, place from, place to) {
   const float lift =
       LIFT_OF_DISTANCE * olx_length(olx_sub(to.position, from.position)) + LIFT_OF_WORLD * s->grid.coarsest;
@@ -107,7 +107,7 @@ bool olx_light_surfels_beside(const olx_light_surfels *s, const olx_light_surfel
   return is_clear(s, (place){one->position, one->normal}, (place){other->position, other->normal});
 }
 
-// The first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
+// Returns the first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
   return head;
@@ -202,7 +202,7 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
   return expf((sum + (float)(EXPLORING_RAYS - found) * logf(farthest)) / EXPLORING_RAYS);
 }
 
-// Whether all points from `first` on are likely to see the chosen one, by a test of some of them.
+// Returns whether all points from `first` on are likely to see the chosen one, by a test of some of them.
 static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
   const uint32_t count = end - first, tried = count < TRIED_POINTS ? count : TRIED_POINTS;
   for (uint32_t i = 0; i < tried; i++) {

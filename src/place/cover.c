@@ -108,8 +108,8 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// The value of a candidate beside the picks. Where coverage determines the number of probes, a candidate that covers
-// nothing more has no value.
+// Returns the value of a candidate beside the picks. Where coverage determines the number of probes, a candidate that
+// covers nothing more has no value.
 static uint64_t worth(const cover *c, uint32_t candidate, double allowed) {
   if (c->state.unfit[candidate]) return 0;
   const olx_gain gain = olx_cover_gain(&c->state, olx_cover_row(&c->state, candidate));
@@ -297,7 +297,7 @@ done:
   return result;
 }
 
-// The weight that may stay uncovered so that another sample also meets the target.
+// Returns the weight that may stay uncovered so that another sample also meets the target.
 static double with_margin(const cover *c, double deviations) {
   const double allowed = 1.0 - c->target, deviation = sqrt(allowed / ((double)c->atlas_size * DENSER));
   const double least = LEAST_AIM * allowed, aim = allowed - deviations * deviation;

@@ -48,7 +48,7 @@ static int64_t floor_divide(int64_t a, int64_t b) {
   return a % b != 0 && (a < 0) != (b < 0) ? q - 1 : q;
 }
 
-// The last position where the parabola of i is no farther than that of j > i.
+// Returns the last position where the parabola of i is no farther than that of j > i.
 static int64_t last_of(const uint32_t *values, int64_t i, int64_t j) {
   return floor_divide((int64_t)values[j] - values[i] + j * j - i * i, 2 * (j - i));
 }

@@ -4,8 +4,8 @@
 
 #include "scene/scene_data.h"
 
-// The median distance in metres from floors to what is above them, over floors by area; 0 where less than a tenth of
-// them have anything above.
+// Returns the median distance in metres from floors to what is above them, over floors by area; 0 where less than a
+// tenth of them have anything above.
 float olx_headroom(const olx_scene *scene);
 
 #endif

@@ -47,7 +47,7 @@ static void look_around(const olx_scene *scene, olx_vec3 position, olx_depth *de
   depth->sky_share = (float)(sky / (4.0 * (double)OLX_PI));
 }
 
-// The number of back faces minus that of front faces that a ray crosses until it leaves the scene.
+// Returns the number of back faces minus that of front faces that a ray crosses until it leaves the scene.
 static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_vec3 direction, uint32_t *rays) {
   olx_ray ray = {position, direction, 0.0f, INFINITY};
   int32_t balance = 0;

@@ -42,7 +42,7 @@ typedef struct range {
   float gap2; // squared distance to the range's side of the dividing plane
 } range;
 
-// The node nearest to `point` within the distance, except `own`; OLX_NO_HIT when there is none.
+// Returns the node nearest to `point` within the distance, except `own`; OLX_NO_HIT when there is none.
 static uint32_t find_nearest(const tree_node *nodes, uint32_t count, olx_vec3 point, float within, uint32_t own) {
   const float p[3] = {point.x, point.y, point.z};
   range stack[TREE_DEPTH] = {{0, count, 0, 0.0f}};

@@ -7,7 +7,7 @@
 
 #define OLX_OUTDOOR_SKY 0.4f // least sky visible from an outdoor position, as a share of directions
 
-// Whether the viewer is indoors, where little sky is visible: by every camera in the box or, in a scene without
+// Returns whether the viewer is indoors, where little sky is visible: by every camera in the box or, in a scene without
 // cameras, by a good part of the space of all tiles, of which *indoor of *pieces are indoors. Both counts are added to.
 bool olx_cameras_are_indoors(const olx_world *world);
 olx_result olx_count_indoors(const olx_space *space, uint32_t threads, uint64_t *pieces, uint64_t *indoor);

@@ -16,7 +16,7 @@
 #define FORMAT_NAME "octalux probes"
 enum { FORMAT_VERSION = 1, LAST_METHOD = OLX_PLACE_COVER, LAST_ORIGIN = OLX_ORIGIN_MOVED };
 
-// The double that prints with no more digits than the float has.
+// Returns the double that prints with no more digits than the float has.
 static double shortest(float value) {
   char text[40];
   for (int digits = 6; digits < 10; digits++) {

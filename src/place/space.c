@@ -55,7 +55,7 @@ static void allow_job(void *user, uint32_t index) {
   }
 }
 
-// The voxel beyond a face: along axis face / 2, backwards when face is even. OLX_NO_VOXEL at the border.
+// Returns the voxel beyond a face: along axis face / 2, backwards when face is even. OLX_NO_VOXEL at the border.
 static size_t beyond_face(const olx_voxels *v, size_t voxel, uint32_t face) {
   const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};
   const uint32_t axis = face / 2;

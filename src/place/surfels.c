@@ -213,7 +213,7 @@ static olx_vec3 hemisphere_direction(olx_vec3 normal, olx_vec2 random) {
   return olx_from_basis(olx_v3(r * cosf(phi), r * sinf(phi), random.x), normal);
 }
 
-// The largest distance from which a surfel is seen well at that cosine; 0 when it is grazing.
+// Returns the largest distance from which a surfel is seen well at that cosine; 0 when it is grazing.
 static float sight_limit(const olx_sight *sight, float cosine) {
   return cosine < sight->min_cosine ? 0.0f : sight->max_footprint * cosine / sight->texel_radians;
 }
@@ -255,7 +255,7 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
   return found;
 }
 
-// Whether space that matters is within two voxels.
+// Returns whether space that matters is within two voxels.
 static bool is_near_space(const olx_space *space, olx_vec3 p) {
   for (int32_t i = 0; i < 125; i++) {
     const olx_vec3 step = {(float)(i % 5 - 2), (float)(i / 5 % 5 - 2), (float)(i / 25 - 2)};
@@ -332,7 +332,7 @@ olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const
   return olx_parallel_for((surfels->count + POINTS_A_JOB - 1) / POINTS_A_JOB, threads, ask_job, &a, NULL, 0);
 }
 
-// Whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
+// Returns whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
 static bool faces_cut_off(const olx_space *space, const olx_surfel *surfel) {
   const olx_world *w = space->world;
   for (int32_t i = 0; i < 125; i++) {

@@ -34,7 +34,7 @@ typedef struct olx_area_points {
 
 olx_result olx_area_points_create(const olx_world *world, uint32_t points, uint32_t seed, olx_area_points *all);
 void olx_area_points_free(olx_area_points *all);
-// The surfels of both sides of the tile's points, those that are seen, with their fates.
+// Finds the surfels of both sides of the tile's points, those that are seen, with their fates.
 olx_result olx_area_surfels(const olx_space *space, const olx_sight *sight, const olx_area_points *all,
                             uint32_t threads, olx_surfels *surfels);
 

@@ -5,8 +5,8 @@
 #include "core/parallel.h"
 #include "place/surfels.h"
 
-// The quality, by olx_sight_quality, at which every surfel of an atlas is seen from a position; 0 where something
-// occludes it.
+// Computes the quality, by olx_sight_quality, at which every surfel of an atlas is seen from a position; 0 where
+// something occludes it.
 void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 place, const olx_surfels *surfels,
                    uint8_t *quality);
 

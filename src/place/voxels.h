@@ -27,7 +27,7 @@ void olx_voxels_free(olx_voxels *voxels);
 // Exact Euclidean distance transform (Meijster et al. 2000): squared distances to the nearest cell with solid != 0.
 olx_result olx_distance_transform(const uint8_t *solid, const uint32_t count[3], uint32_t threads, uint32_t *distance);
 
-// The voxel that holds the point; OLX_NO_VOXEL outside.
+// Returns the voxel that holds the point; OLX_NO_VOXEL outside.
 static inline size_t olx_voxel_at(const olx_voxels *v, olx_vec3 p) {
   const olx_vec3 q = olx_scale(olx_sub(p, v->low), 1.0f / v->size);
   if (!(q.x >= 0.0f && q.y >= 0.0f && q.z >= 0.0f)) return OLX_NO_VOXEL;

@@ -87,7 +87,7 @@ static double magnitude(olx_vec3 v, uint32_t channels) {
   return channels == 1 ? x : (x + y + z) / 3.0;
 }
 
-// Mean of the reference over its finite pixels; 1 for a black reference, so that errors are shown unscaled.
+// Returns the mean of the reference over its finite pixels; 1 for a black reference, so that errors are shown unscaled.
 static double mean_of(const olx_image *image, olx_layer layer) {
   const size_t count = (size_t)image->width * image->height;
   double sum = 0.0;

@@ -17,7 +17,7 @@ typedef struct olx_gltf_specular {
                                         // a table of textures, or OLX_NO_TEXTURE
 } olx_gltf_specular;
 
-// The specular weight that gives F0 the luminance that it has by the extension, at most 1.
+// Returns the specular weight that gives F0 the luminance that it has by the extension, at most 1.
 float olx_gltf_specular_weight(float factor, olx_vec3 color);
 
 // Makes one texture of the images, which have been decoded, for a material that has the weight of the factors:

@@ -11,12 +11,12 @@
 // *root with cJSON_Delete.
 olx_result olx_json_parse(const char *path, const char *text, size_t size_bytes, cJSON **root);
 
-// A member of an object; NULL when there is none, or when it is no object.
+// Returns a member of an object; NULL when there is none, or when `object` is not an object.
 static inline const cJSON *olx_json_member(const cJSON *object, const char *key) {
   return cJSON_GetObjectItemCaseSensitive(object, key);
 }
 
-// The text of a member; "" when it is absent or not a string.
+// Returns the text of a member; "" when it is absent or not a string.
 const char *olx_json_text(const cJSON *object, const char *key);
 
 // Reads a member or element as an index below `count`. Returns false when it is absent; *valid is whether it is absent

@@ -15,7 +15,7 @@
 #include "bake/volume_bake.h"
 #include "work/unit_store.h"
 
-// What joining knows of the scene and the settings, both read from the stored plan.
+// The scene and the settings as far as joining knows them: both are read from the stored plan.
 typedef struct olx_joined_bake {
   olx_scene scene; // only bounds, origin, hash and the number of lights are set
   olx_bake_settings settings;

@@ -24,7 +24,7 @@ static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 enum { NO_SIDE = 6 };
 
-// Distance that stands for the sky, along the axis of its cube face.
+// Distance that represents the sky, along the axis of its cube face.
 static const float far_away = 1e30f;
 
 static uint32_t cube_texel(const olx_classic_bake *b, uint32_t tile, uint32_t i) {

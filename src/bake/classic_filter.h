@@ -49,8 +49,8 @@ typedef struct olx_classic_filter {
   uint32_t lobe_count[OLX_CLASSIC_LEVELS];
 } olx_classic_filter;
 
-// The sharpness at which the filter's lobe is as wide as a texel of the octahedral map or of the cube map, whichever is
-// coarser.
+// Returns the sharpness at which the filter's lobe is as wide as a texel of the octahedral map or of the cube map,
+// whichever is coarser.
 uint32_t olx_classic_sharpness(uint32_t size, uint32_t cube_size);
 
 // Allocates maps and tables. The caller sets size, cube_size, sharpness and threads.

@@ -41,8 +41,8 @@ typedef struct olx_corrections {
   double norm[3];
 } olx_corrections;
 
-// Allocates memory for that many unknowns, olx_corrections_bytes of it; solution is 0. False when there is none;
-// olx_corrections_free then too.
+// Allocates memory for that many unknowns, olx_corrections_bytes of it; the solution begins as 0. Returns false when
+// memory runs out; olx_corrections_free is called even then.
 size_t olx_corrections_bytes(size_t unknowns);
 bool olx_corrections_allocate(olx_corrections *c, size_t unknowns);
 void olx_corrections_free(olx_corrections *c);

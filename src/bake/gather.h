@@ -16,7 +16,7 @@ uint64_t olx_gather_bytes(const olx_gather *gather, uint32_t irradiance_size, ui
 // Units of progress of all gathering, in rays.
 uint64_t olx_gather_units(const olx_gather *gather, uint32_t bounces, bool solved);
 
-// Casts the rays of all probes and stores hits and distances; without `light`, also direct light.
+// Casts the rays of all probes and stores hits, distances and, without `light`, direct light.
 olx_result olx_gather_look(olx_gather *gather);
 // Looks up the solved light at all hits.
 olx_result olx_gather_solved(olx_gather *gather);

@@ -106,8 +106,8 @@ static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangl
   return (uint8_t)mask;
 }
 
-// The mean normal of the triangles whose masks include the child. Each unit normal is flipped to the side of the sum so
-// far: the probes' visibility decides which side counts. Returns 0 when no triangle touches the child.
+// Returns the mean normal of the triangles whose masks include the child. Each unit normal is flipped to the side of
+// the sum so far: the probes' visibility decides which side counts. The mean is 0 when no triangle touches the child.
 static olx_vec3 mean_normal(const octree_build *b, const uint32_t *triangles, const uint8_t *masks, size_t count,
                             uint32_t child) {
   olx_vec3 sum = olx_splat(0.0f);

@@ -55,8 +55,8 @@ static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_
   return olx_surface_ray(surface, olx_normalize(olx_from_basis(local, surface->geometric_normal)), INFINITY);
 }
 
-// Draws a surface point: what a ray scattered from a surface that the probe sees meets. Surfaces are met about evenly
-// by area, also those that no probe sees.
+// Draws a surface point: the end of a ray that is scattered from a surface which the probe sees. Such points are spread
+// about evenly over the area of all surfaces, including those that no probe sees.
 static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *surface) {
   const olx_surface_fit_input *in = &fit->input;
   const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;
@@ -173,7 +173,8 @@ static void interpolate(const olx_surface_fit *fit, fit_point *point, olx_vec3 m
   point->residual = olx_sub(measured, sum);
 }
 
-// Measures the irradiance of a job's points with the light of the bounces before, and what interpolation misses of it.
+// Measures the irradiance of a job's points with the light of earlier bounces, and the difference from what is
+// interpolated.
 static void measure_job(void *user, uint32_t job) {
   olx_surface_fit *fit = user;
   const uint32_t first = job * POINTS_PER_JOB;

@@ -14,7 +14,7 @@ static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t bloc
   return y * capture->size + x;
 }
 
-// What the texels of a block of the probe that was captured last see, with vertex normals to shade by.
+// The surfaces that the texels of a block see, for the probe that was captured last, with vertex normals for shading.
 typedef struct olx_block_surfaces {
   uint32_t seen; // bit i: texel i sees a surface, else the sky
   olx_surface surface[OLX_BLOCK_TEXELS];

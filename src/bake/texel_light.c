@@ -1,6 +1,6 @@
-// Reads the solved light of the scene at what the texels of a probe see: at four texels of a block that lies on one
-// plane, at every texel elsewhere. Where it has to be gathered, texels of a block that lie on one surface share the
-// result.
+// Reads the solved light of the scene at the surfaces that the texels of a probe see: at four texels of a block that
+// lies on one plane, at every texel elsewhere. Where light has to be gathered, texels of a block that lie on one
+// surface share the result.
 #include "bake/texel_light.h"
 
 #include "bake/texel_blocks.h"

@@ -1,5 +1,5 @@
-// Computes the radiance that the surface of a texel sends to its probe: light of the texel through the diffuse lobe, or
-// through both as averaged over views, and what mirrors reflect.
+// Computes the radiance that the surface of a texel sends to its probe: the texel's light through the diffuse lobe or
+// through the average of both lobes over views, and what mirrors reflect.
 #include "bake/texel_radiance.h"
 
 #include "light/path.h"

@@ -14,13 +14,13 @@
 
 enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 
-// How far a place may lie off the surface that a probe stored, in distances from the probe; and how much normals may
-// differ.
+// How far a place may lie off the surface that a probe stored, as a share of its distance from the probe; and how much
+// normals may differ.
 static const float off_surface = 0.02f, least_normal = 0.5f;
 
 static const olx_probe_list *probes_of(const olx_traced_bounce *t) { return &t->context->probes.irradiance; }
 
-// Returns the gather point that stands for a direction of the probe.
+// Returns the gather point that represents a direction of the probe.
 static uint32_t point_towards(const olx_quadrature *q, uint32_t x, uint32_t y) {
   const uint32_t per_quarter = olx_samples_per_cell(q) / 4, tiles = q->sample_size / OLX_GATHER_TILE;
   const uint32_t tile = y / OLX_GATHER_TILE * tiles + x / OLX_GATHER_TILE;
@@ -75,7 +75,7 @@ static bool find_point(const olx_traced_bounce *t, uint32_t probe, const ray_end
   if (distance <= 0.0f || olx_dot(offset, end->normal) >= 0.0f) return false;
   const olx_vec3 towards = olx_scale(offset, 1.0f / distance);
   const olx_vec2 uv = olx_octahedral_encode(towards);
-  // A gather point stands for squares of 2 x 2 samples or more.
+  // A gather point represents a square of 2 x 2 samples or more.
   const int32_t size = (int32_t)(2 * q->cells), step = (int32_t)q->sample_size / size;
   const int32_t cx = (int32_t)olx_min(uv.x * (float)size, (float)size - 1.0f),
                 cy = (int32_t)olx_min(uv.y * (float)size, (float)size - 1.0f);

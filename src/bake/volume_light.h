@@ -15,7 +15,7 @@ typedef struct olx_volume_light {
   uint64_t rays_cast; // set
 } olx_volume_light;
 
-// Irradiance of `count` probes, OLX_VOLUME_HALVES each.
+// Computes the irradiance of `count` probes, OLX_VOLUME_HALVES numbers each.
 olx_result olx_volume_light_make(olx_volume_light *volume, const olx_vec3 *positions, uint32_t count,
                                  uint16_t *irradiance);
 

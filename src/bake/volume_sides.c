@@ -1,6 +1,6 @@
-// Separates the sides of a cell: places spread over the cell are connected where they see each other, and what is not
-// connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is
-// divided off as well.
+// Separates the sides of a cell: places spread over the cell are connected where they see each other, and unconnected
+// sets of places are separated by the planes of the triangles between them. Space outside all rooms is separated as
+// well.
 #include "bake/volume_sides.h"
 
 #include "core/sampling.h"
@@ -220,7 +220,7 @@ static uint32_t make_side(cell_places *c, uint64_t part) {
 }
 
 // Finds the plane of an outer face that has all places of the space in a region before it and most of those that are
-// shut out behind it, or the other way about.
+// shut out behind it, or the reverse.
 static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_volume_split *split,
                      bool *inside_before) {
   const uint64_t inside = region & c->free, outside = region & c->shut_out;
@@ -232,7 +232,8 @@ static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_v
     if (!(part >> a & outside >> b & 1)) continue;
     tried++;
     if (!plane_between(c->space->scene, c->places[b], c->places[a], &normal, &offset)) continue;
-    // Half a lift outside the face, so that rounding takes neither what lies on it nor what lies in its corners.
+    // The plane lies half a lift outside the face, so that rounding includes neither places on the face nor places in
+    // its corners.
     offset += olx_dot(normal, c->places[b]) > offset ? 0.5f * c->lift : -0.5f * c->lift;
     const uint64_t before = in_front(c, inside | outside, normal, offset);
     const bool first = before >> a & 1;
@@ -265,7 +266,8 @@ static uint32_t make_end(cell_places *c, uint64_t set, uint64_t region) {
   return part ? make_shell(c, part, region, OUTER_FACES) : 0;
 }
 
-// `region`: all places on this side of the planes so far; `set`: those of them that are in the space.
+// Makes the entry of a set of places. `region` has all places on this side of the planes so far, `set` those of them
+// that are in the space.
 static uint32_t make_entry(cell_places *c, uint64_t set, uint64_t region, uint32_t depth) {
   olx_volume_split split;
   uint64_t front;

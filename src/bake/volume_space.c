@@ -38,7 +38,7 @@ static size_t voxel_index(const olx_voxels *v, int32_t x, int32_t y, int32_t z) 
 
 static bool is_reached(const olx_volume_space *s, size_t voxel) { return s->space.reachable[voxel] & OLX_REACHABLE; }
 
-// Floods from the voxel of a probe, or where surfaces touch that, from one beside it that the probe sees.
+// Floods from the voxel of a probe or, where surfaces touch that voxel, from a neighbouring one that the probe sees.
 static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels, size_t *stack) {
   const olx_voxels *v = &s->space.voxels;
   if (olx_voxel_at(v, position) == OLX_NO_VOXEL) return;
@@ -54,7 +54,7 @@ static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels,
   }
 }
 
-// Floods from the faces of the box what the probes' floods left.
+// Floods, from the faces of the box, the voxels that the probes' floods have not reached.
 static void flood_from_outside(olx_volume_space *s, uint32_t *labels, size_t *stack) {
   const olx_voxels *v = &s->space.voxels;
   for (size_t i = 0; i < v->total; i++) {
@@ -122,7 +122,7 @@ bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 
 
 static bool is_outside(const olx_volume_space *s, size_t voxel) { return s->outside[voxel]; }
 
-// Returns whether the place is in a voxel of a kind without surfaces, or sees such a one beside it.
+// Returns whether the place is in a voxel of a kind without surfaces, or sees such a voxel beside it.
 static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind)(const olx_volume_space *, size_t)) {
   const olx_voxels *v = &s->space.voxels;
   const size_t own = olx_voxel_at(v, place);

@@ -47,7 +47,7 @@ typedef struct cover {
   double target;                          // target share of the surfels that can be covered
 } cover;
 
-// Spreads surfels so that about `wanted` are visible, judged by the visible share of a small first sample.
+// Spreads surfels so that about `wanted` of them are visible, estimated from the visible share of a small first sample.
 static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, olx_surfels *surfels) {
   const uint32_t threads = c->settings->threads;
   OLX_TRY(olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, PILOT_POINTS, seed, threads, surfels));
@@ -340,7 +340,7 @@ static olx_result choose(cover *c) {
 
 static olx_result prepare(cover *c) {
   const olx_place_settings *settings = c->settings;
-  // The fixed probes and the positions found for uncovered surfels are added to the candidates.
+  // Adds the fixed probes and the positions found for uncovered surfels to the candidates.
   const uint32_t most = settings->candidates + MOST_ROUNDS * TARGETS * TARGET_PLACES;
   const uint64_t affordable = MATRIX_BYTES / most;
   c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;

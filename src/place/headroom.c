@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 enum { SAMPLES = 1024 };
-// Floors are no steeper than this; fewer hits than that share say nothing.
+// Floors are no steeper than this angle's cosine; when fewer rays than this share hit anything, the height is unknown.
 static const float LEAST_UP = 0.9f, LEAST_HITS = 0.1f;
 
 static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {

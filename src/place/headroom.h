@@ -1,4 +1,5 @@
-// How high the rooms of a scene are, by which voxels are as fine as doors in whatever unit a model was made.
+// Measures the height of a scene's rooms, from which the size of voxels follows: fine enough for doors, whatever the
+// model's unit of length.
 #ifndef OLX_PLACE_HEADROOM_H
 #define OLX_PLACE_HEADROOM_H
 

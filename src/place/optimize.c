@@ -58,7 +58,7 @@ static inline double join(olx_place_reward kind, double others, float own) {
   return kind == OLX_REWARD_SUM ? others + (double)own : others > (double)own ? others : (double)own;
 }
 
-// The reward of each surfel from all rows except `without` (`count`: all).
+// Computes the reward of each surfel from all rows except `without`; with `count` as `without`, from all.
 static void join_rows(const float *rows, uint32_t count, uint32_t surfels, uint32_t without, olx_place_reward kind,
                       double *joined) {
   memset(joined, 0, surfels * sizeof *joined);

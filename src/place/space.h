@@ -10,8 +10,8 @@ olx_result olx_space_open(olx_world *world, uint32_t tile, uint32_t overlap, uin
 void olx_space_free(olx_space *space);
 
 // Draws a position evenly from the space that the viewer can reach: start `nth` of start_count, random numbers from
-// `seed`. False when the position drawn there is outside that space: outside the box, or behind the surface in a fringe
-// voxel.
+// `seed`. Returns false when the position drawn is outside that space: outside the box, or behind the surface in a
+// fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
 // Returns whether a probe is allowed at a position: in space that matters, outside forbidden boxes, at least

@@ -164,7 +164,7 @@ static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle
   const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
   const olx_vec3 p = point_on(scene, triangle, uv);
   const float epsilon = olx_surface_epsilon(scene, triangle);
-  // An offset away from edges, where walls meet, like that of the renderer's rays.
+  // Offsets a point away from edges, where walls meet, as the renderer does for its rays.
   const olx_vec3 way = olx_sub(olx_scale(olx_add(a, olx_add(b, c)), 1.0f / 3.0f), p);
   const olx_vec3 moved = olx_madd(p, way, olx_min(1.0f, epsilon / olx_max(olx_length(way), 1e-30f)));
   const olx_vec3 normal = olx_normalize(doubled_area(scene, triangle));
@@ -189,7 +189,7 @@ static bool draw_start(const atlas_maker *m, uint32_t index, olx_vec3 *start) {
   return olx_space_draw(m->ask.space, (size_t)(nth * (double)m->ask.space->start_count), olx_hash(key), start);
 }
 
-// Sets up a ray from there, in a direction of a stratified sequence.
+// Sets up a ray from the drawn origin, in a direction of a stratified sequence.
 static void set_up_ray(const atlas_maker *m, uint32_t index) {
   olx_vec3 start;
   m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;

@@ -135,7 +135,7 @@ static void keep(thinner *t, uint32_t probe) {
   }
 }
 
-// Counts what all probes cover.
+// Counts the surfels that all probes together cover.
 static void count_coverable(thinner *t) {
   const uint32_t least = t->tiling->settings->views;
   for (size_t i = 0; i < t->seen_count; i++) {

@@ -50,7 +50,7 @@ static olx_world_brick *stored_brick(const olx_world *w, uint32_t brick) {
   return w->slots[brick] == OLX_OPEN_BRICK ? NULL : &w->stored[w->slots[brick]];
 }
 
-// Pass one: marks the bricks that surfaces touch. Threads may mark the same brick concurrently with the same value.
+// First pass: marks the bricks that surfaces touch. Threads may mark the same brick concurrently with the same value.
 static void mark_brick(void *user, const int32_t c[3]) {
   const olx_world *w = user;
   uint8_t *flags = &w->flags[(uint32_t)c[0] + w->bricks[0] * ((uint32_t)c[1] + w->bricks[1] * (uint32_t)c[2])];

@@ -88,8 +88,8 @@ uint64_t olx_world_flood(olx_world *world, const uint32_t voxel[3]);
 void olx_world_forget(olx_world *world);
 // Turns what the last flood reached into seen.
 void olx_world_put_aside(olx_world *world);
-// Finds the next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor excluded. False
-// when there is none.
+// Finds the next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor excluded. Returns
+// false when there is none.
 bool olx_world_next_free(const olx_world *world, uint32_t *brick, uint32_t voxel[3]);
 // Finds the `nth` voxel that the last flood reached, in the order of its bricks.
 bool olx_world_nth_reached(const olx_world *world, uint64_t nth, uint32_t voxel[3]);

@@ -11,7 +11,7 @@ typedef struct bake_options {
   const char *probes;         // file of probe positions, or NULL
 } bake_options;
 
-// The defaults before options are read. Grids have no probes until the scene is loaded.
+// Returns the defaults before options are read. Grids have no probes until the scene is loaded.
 bake_options bake_options_begin(void);
 
 // Options that fill a bake_options: the most common ones, which go before `threads_option`, those of quality, and those

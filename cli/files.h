@@ -27,8 +27,8 @@ int check_scene_files(const char *command, const command_files *files, const olx
 // Returns whether a path has this ending, or is standard output, which takes any format.
 bool is_output_named(const char *path, const char *ending);
 
-// Redirects further output to standard error when an output was written to standard output. Called when all outputs are
-// written.
+// Redirects further output to standard error when an output was written to standard output. The caller calls this when
+// all outputs are written.
 void print_beside_outputs(const command_files *files);
 
 #endif

@@ -101,7 +101,7 @@ static void look_from(vulkan_job *job) {
   memcpy(job->view.clip_to_world, job->gbuffer.clip_to_world, sizeof job->view.clip_to_world);
 }
 
-// The passes that are recorded below.
+// Returns the passes that the settings call for.
 static uint32_t passes_of(const olx_render_settings *s) {
   if (s->method == OLX_METHOD_CLASSIC) return OLX_VULKAN_PASS_COMPOSITE;
   return OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE |

@@ -227,7 +227,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_REFLECTANCE_FULL 128.0f
 
 // sight: how far behind a stored surface a place may lie and still count as on it, in footprints of the texel, and the
-// cosine as at which surfels are treated that are seen at flatter angles.
+// least cosine at which a surfel counts as seen; flatter angles are treated like it.
 #define OLX_SIGHT_START 0.5f // at a ray's start
 #define OLX_SIGHT_STUCK 1.0f // where another probe lost a ray
 #define OLX_SIGHT_LEAST_COSINE 0.1f
@@ -258,7 +258,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_NEVER 1.2676506002282294e30f           // 2^100
 #define OLX_PYRAMID_FINEST 2                       // log2 of the texels along a side of a node of level 0
 #define OLX_PYRAMID_STEP 2                         // log2 of the side of a node, in nodes of the level below
-// What a texel tells of a ray: it passes in front, meets the surface, or is behind it, where the probe cannot see.
+// A texel's verdict on a ray: the ray passes in front, meets the surface, or is behind it, where the probe cannot see.
 #define OLX_VERDICT_CLEAR 0
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
@@ -267,9 +267,9 @@ typedef struct olx_gpu_uvec4 {
 // surface from behind where it runs along the normal by more than that.
 #define OLX_STORED_NORMAL_ERROR 0.0111f
 
-// trace. A ray remembers tried probes by their numbers modulo the first, a bit each. That is exact in fields of no more
-// probes; in larger ones a probe may be taken for tried because another was. A prime, so that it does not align with
-// the strides of grids.
+// trace. A ray remembers tried probes by their numbers modulo the first constant, one bit each. That is exact in fields
+// with no more probes; in larger fields a probe may count as tried because another one was. The constant is a prime, so
+// that it does not align with the strides of grids.
 #define OLX_REMEMBERED 127u
 // How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
 // within a texel, and the ray must not slip through the surface that it was about to hit.

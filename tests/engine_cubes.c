@@ -101,7 +101,8 @@ void engine_volume_free(engine_volume *volume) {
 
 // ---- The look-up
 
-// A linear filter at a coordinate in texels, whose centres are halfway between whole numbers; clamped to the edge.
+// A linear filter at a coordinate in texels, whose centres are halfway between whole numbers. It is clamped to the
+// edge.
 typedef struct filter {
   uint32_t texels[2];
   float share; // of the second

@@ -57,7 +57,7 @@ void *field_chunk(const field_image *i, olx_chunk_kind kind);
 void field_seal(const field_image *i);
 void field_seal_table(const field_image *i);
 
-// Check that the last error's message contains these words.
+// Checks that the last error's message contains these words.
 void assert_says(const char *expected);
 // Check that opening the file, or only verifying it, fails with this result and a message that contains these words.
 void assert_field_refused(const field_image *i, olx_result expected, const char *message);

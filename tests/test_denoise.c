@@ -221,7 +221,7 @@ static void test_a_surface_seen_in_its_place_is_still(void **state) {
 static void test_what_comes_into_sight_starts_anew(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
-  // A post stands before the wall; when the eye moves, the post hides other pixels of the wall.
+  // A post is in front of the wall; when the eye moves, the post hides other pixels of the wall.
   view *before = make_wall(0, 4), *now = make_wall(0.2f, 4);
   for (uint32_t y = 0; y < SIZE; y++) {
     for (uint32_t x = 0; x < SIZE; x++) {

@@ -85,7 +85,7 @@ static void assert_color(olx_vec3 value, olx_vec3 expected, float tolerance) {
   assert_near(value.z, expected.z, tolerance);
 }
 
-// Asserts that walls, all texels and free space have the light of a furnace in which surfaces send `sent`.
+// Asserts that walls, all texels and free space have the light of a furnace in which surfaces emit `sent`.
 static void assert_furnace(const olx_field *field, olx_vec3 sent, float tolerance) {
   const olx_vec3 places[] = {{0.0f, -1.0f, 0.0f}, {1.0f, 0.2f, -0.3f}, {-0.4f, 0.9f, 1.0f}};
   const olx_vec3 normals[] = {{0.0f, 1.0f, 0.0f}, {-1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}};
@@ -408,7 +408,7 @@ static void test_surfels_take_turns(void **state) {
   olx_field_close(field);
 }
 
-// What a device reports of a frame before lights were set again says nothing of the new light.
+// A report of a device about a frame that came before lights were set again is ignored.
 static void test_late_records_of_earlier_lights_are_ignored(void **state) {
   olx_field *field = few_surfels(*state);
   olx_relight_settings settings = olx_relight_settings_default();

@@ -6,7 +6,7 @@
 // (without one, the scene's bounds) wherever it touches no surface, by exact distances to triangles. It starts at the
 // cameras, or at what a camera outside the box sees of its inside. Steps are at most its diameter, so that it cannot
 // jump over a surface. The result is printed as one JSON object per file of probes, each on a line:
-//   reached       share of probes next to which the ball can stand, with nothing between
+//   reached share of probes next to which the ball can be, with nothing between
 //   nearest       the least distance of a probe to a surface, in diagonals
 //   closest       the least distance of two probes, in diagonals
 //   back          the largest share of directions, of 4096, in which a probe sees the back of a triangle first

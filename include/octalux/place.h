@@ -137,8 +137,8 @@ typedef struct olx_place_report {
   double visible;          // in line of sight of at least one probe, at any angle and distance
   double coverage_by_area; // like coverage, but each surface is weighted by its area that is seen from anywhere
   double coverable;        // 1 - grazing - restricted
-  double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may stand
-  double restricted;       // not covered: seen only from where no probe may stand: because of the description's
+  double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may be
+  double restricted;       // not covered: seen only from where no probe may be: because of the description's
                            // overrides, or within a voxel of surfaces
   double missed;           // not covered but coverable: by more probes, or with a higher wanted coverage
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters

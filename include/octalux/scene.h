@@ -129,7 +129,7 @@ void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count
 
 #define OLX_NO_TEXTURE UINT32_MAX
 
-// A number of bounces that stands for all light.
+// The number of bounces that means all light.
 #define OLX_BOUNCES_INFINITE UINT32_MAX
 
 // A texture of 8-bit RGBA texels, rows from v = 0 upwards as in glTF. It repeats beyond 0 to 1.

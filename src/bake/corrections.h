@@ -33,8 +33,9 @@ void olx_corrections_scatter(olx_vec3 *unknowns, const olx_correction_taps *taps
 // Evaluates one probe's correction at a position in its map.
 olx_vec3 olx_correction_at(const olx_vec3 *cells, olx_vec2 uv);
 
-// State of conjugate gradients on the normal equations, separate for each colour channel. The caller fills `gradient`
-// (the right side minus the matrix times `solution`), and before each step `product` (the matrix times `direction`).
+// The state of conjugate gradients on the normal equations, separate for each colour channel. The caller fills
+// `gradient` (the right side minus the matrix times `solution`), and before each step `product` (the matrix times
+// `direction`).
 typedef struct olx_corrections {
   size_t unknowns; // OLX_CORRECTION_CELLS per probe for corrections of maps
   olx_vec3 *solution, *gradient, *direction, *product;

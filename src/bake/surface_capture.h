@@ -31,7 +31,7 @@ olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *surfaces, bool solved);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
-// Units of progress a probe takes, in samples of texels.
+// Returns the units of progress that a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
 // *maps points into `surfaces`; surfaces->radiance is filled as well where the settings request it. For a probe that is

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Two neighbours whose directions differ by less than this cosine resolves count as being in one direction; the nearer
-// one comes first.
+// Cosines are rounded down to multiples of 1 / COSINE_STEPS. Of neighbours with equal cosines the nearer one comes
+// first.
 static const float COSINE_STEPS = 65536.0f;
 
 typedef struct voronoi_build {

@@ -48,7 +48,7 @@ typedef struct olx_cubes {
   bool *served; // for each voxel: whether the field's volume has a cell at its centre
 } olx_cubes;
 
-// Reserves memory for the values; nothing is set. Free it with olx_cubes_free, also after a failure.
+// Reserves memory for the values and sets none of them. The caller frees it with olx_cubes_free, also after a failure.
 olx_result olx_cubes_create(const olx_cube_grid *grid, olx_cubes *cubes);
 void olx_cubes_free(olx_cubes *cubes);
 

@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-// The weight of what was captured, beside that of 1 that the surfaces of a voxel have on each side; for voxels in free
-// space, and for those inside geometry, of which no capture knows anything.
+// The weight of captured values, where the surfaces of a voxel have a weight of 1 on each side: for voxels in free
+// space, and for those inside geometry, where captured values are only spread from neighbours.
 static const float SERVED_WEIGHT = 0.02f, INSIDE_WEIGHT = 0.002f;
 
 enum { POINTS_PER_JOB = 4096 };

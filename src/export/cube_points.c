@@ -20,7 +20,7 @@ enum {
   SALT_SPACE = 0x43554245
 };
 
-// The weight of free space in a voxel beside that of its surfaces, which is 1.
+// The weight of free space in a voxel, where the weight of the voxel's surfaces is 1.
 static const float SPACE_WEIGHT = 0.05f;
 
 typedef struct collection {

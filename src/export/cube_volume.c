@@ -101,7 +101,7 @@ static void pack_texels(const olx_cubes *cubes, uint32_t *texels) {
   }
 }
 
-// Returns the text of the file's own key; NULL: out of memory. Give it to cJSON_free.
+// Returns the text of the file's own key; NULL when memory runs out. The caller frees it with cJSON_free.
 static char *transform_text(const olx_cubes_info *info) {
   cJSON *object = cJSON_CreateObject();
   cJSON_AddItemToObject(object, "translation", cJSON_CreateDoubleArray(info->translation, 3));

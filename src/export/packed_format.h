@@ -49,7 +49,7 @@ static inline const olx_file_chunk *olx_packed_chunk_of(const olx_packed_file *p
   return &olx_chunk_table(&packed->file)[index + 1];
 }
 
-// Opens a packed file. To be closed with olx_packed_close, also after a failure.
+// Opens a packed file. The caller closes it with olx_packed_close, also after a failure.
 olx_result olx_packed_open(const char *path, olx_packed_file *packed);
 void olx_packed_close(olx_packed_file *packed);
 olx_packed_info olx_packed_info_of(const olx_packed_file *packed);

@@ -1,5 +1,5 @@
-// Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, deduplicates tiles
-// of emission, and commits the file when it is complete.
+// Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, stores repeated
+// tiles of emission once, and commits the file when it is complete.
 #include "field/field_writer.h"
 
 #include "core/file.h"
@@ -326,7 +326,8 @@ olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t inde
   return end_probe(writer, index, flags, result);
 }
 
-// Appends a tile to the file unless it equals the one written before, so that the tiles of an even sky are stored once.
+// Appends a tile to the file unless it equals the previously written one, so that the tiles of an even sky are stored
+// once.
 static olx_result put_tile(olx_field_writer *writer, const uint32_t tile[OLX_EMISSION_TILE_TEXELS], uint32_t *entry) {
   static const uint32_t dark[OLX_EMISSION_TILE_TEXELS] = {0};
   *entry = 0;

@@ -28,8 +28,8 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   s.has_diffuse = diffuse > 0.0f;
   s.has_specular = olx_bsdf_has_specular(&surface->bsdf);
   if (s.has_specular) {
-    // Clamped away from 0 and 1 while both lobes exist, because the cosine to the half vector may differ greatly from
-    // that to the normal.
+    // Keeps the probability away from 0 and 1 while both lobes exist, because the cosine to the half vector may differ
+    // greatly from that to the normal.
     const float specular = olx_luminance(olx_fresnel(&surface->bsdf, s.view.z));
     s.specular_share = s.has_diffuse ? olx_clamp(specular / (specular + diffuse), 0.1f, 0.9f) : 1.0f;
   }

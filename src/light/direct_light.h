@@ -18,7 +18,7 @@ typedef struct olx_shading {
   float specular_share; // probability that a path which follows one lobe takes the specular one
 } olx_shading;
 
-// Prepares a surface for shading. `direction`: of the ray that found the surface, unit.
+// Prepares a surface for shading. `direction` is the unit direction of the ray that found the surface.
 olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction);
 
 // Radiance through the two lobes of a surface.

@@ -191,7 +191,7 @@ static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel,
   return olx_direct_irradiance(s->scene, &surface, &sampler, rays);
 }
 
-// The mean over points that are spread over the area of the cell, because most of its points lie near probes.
+// Returns the mean over points that are spread over the area of the cell, because most of its points lie near probes.
 static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
   const olx_surface_point *points = d->light->surfels.points + surfel->first_point;
   float area = 0.0f, passed = 0.0f;

@@ -15,7 +15,7 @@ enum {
   OLX_LINK_CHAIN_MASK = 3
 };
 
-// Flag in `end`: the ray itself found the direct light at its end, and the link does not bring it.
+// Flag in `end`: the ray itself found the direct light at its end, and the link does not carry it.
 #define OLX_LINK_LIT (1u << 31)
 
 #define OLX_LINK_NOWHERE                                                                                               \
@@ -39,8 +39,8 @@ typedef struct olx_link_batch {
 } olx_link_batch;
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
-// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. Sums
-// over rays, of radiance times pi.
+// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They
+// are sums over rays of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];
   float square; // sum over rays of the squared luminance

@@ -66,8 +66,8 @@ static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BIN
   }
 }
 
-// Half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the same
-// source in slightly different directions.
+// Returns half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the
+// same source in slightly different directions.
 static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   float sum = 0.0f, count = 0.0f;
   for (uint32_t k = 0; k < 9; k++) {

@@ -33,8 +33,8 @@ olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surf
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
 
-// Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. With the surface's direct light it is
-// what a ray that ends there brings to a place with as many bounces as the solution.
+// Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. Together with the surface's direct
+// light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
 // Loads links and points into memory, where the solution was loaded without them. Returns OLX_ERROR_INCOMPLETE when

@@ -13,7 +13,8 @@
 #define DEEPEST 0.03f           // share of the radius by which a surface may enter a ball
 enum { MOST_SHRINKS = 64, BALLS_A_JOB = 64, TREE_DEPTH = 64 };
 
-// A node of a balanced k-d tree in an array: the middle of each range divides it, along x, y, z in turn.
+// A node of a balanced k-d tree in an array: the middle element of each range divides the range, along x, y and z in
+// turn.
 typedef struct tree_node {
   float at[3];
   uint32_t index;

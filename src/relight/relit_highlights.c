@@ -28,7 +28,7 @@ static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 lig
 }
 
 // Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
-// white matte surface in its stead as bright.
+// white matte surface in its place as bright.
 static float specular_light(const olx_relit_surfels *r, uint32_t surfel, olx_vec3 place) {
   const olx_relight_surfel *s = &r->data->surfels[surfel];
   const float beam = olx_length(r->beams[surfel]), rest = olx_max(olx_luminance(r->direct[surfel]) - beam, 0.0f);

@@ -81,7 +81,7 @@ static shown show(const olx_guide *guide, uint32_t x, uint32_t y) {
                  .pixel_angle = pixel_angle(guide)};
 }
 
-// How well a point fits the plane through another: from 1 on the plane to 0 on another surface.
+// Returns how well a point fits the plane through another: from 1 on the plane to 0 on another surface.
 static float plane_fit(olx_vec3 offset, olx_vec3 normal, float pixel_metres) {
   const float tolerance = OLX_PLANE_PIXELS * pixel_metres + OLX_PLANE_SLOPE * olx_length(offset);
   return olx_max(0.0f, 1.0f - fabsf(olx_dot(offset, normal)) / tolerance);
@@ -209,7 +209,7 @@ static scales scales_of(olx_incident incident, float count) {
 static float gaussian(float squared_over_variance) { return expf(-0.5f * squared_over_variance); }
 
 // Returns the weight by distance. Diffuse light varies with the distance to its sources, glossy light with the lobe's
-// width where its rays end. `nearness`: the mean inverse distance of the two pixels, which are this many metres and
+// width where its rays end. `nearness` is the mean inverse distance of the two pixels, which are this many metres and
 // pixels apart.
 static float reach_weight(olx_lobe lobe, float reach, const shown *middle, float nearness, float metres, float pixels) {
   if (lobe == OLX_LOBE_DIFFUSE) return gaussian(olx_square(metres * nearness / reach));

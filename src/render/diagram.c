@@ -52,8 +52,8 @@ static float find_start(const drawing *d, olx_vec3 direction) {
   return down > 0.0f ? above / down : INFINITY;
 }
 
-// Flat grey with a little of the surface's own colour, lit from the viewer and from above, dark enough for marks to be
-// distinct.
+// Shades flat: grey with a little of the surface's own colour, lit from the viewer and from above, dark enough for
+// marks to be distinct.
 static olx_vec3 flat_shade(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)hit->triangle;
   const olx_vec3 a = scene->positions[corner[0]];

@@ -1,7 +1,6 @@
 // Computes LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator
-// for
-// Alternating Images", HPG 2020. What the eye cannot resolve is filtered away, colours are compared in a space where
-// distance is perception, and differences of edges and points amplify the differences of colour.
+// for Alternating Images", HPG 2020. Detail that the eye cannot resolve is filtered away, colours are compared in a
+// space where distances match perception, and differences of edges and points amplify the differences of colour.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"
@@ -63,7 +62,7 @@ static float lab_curve(float t) {
   return t > delta * delta * delta ? cbrtf(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
 
-// CIE L*a*b* with a* and b* scaled by lightness: colour is less visible in the dark (the Hunt effect).
+// Converts to CIE L*a*b* with a* and b* scaled by lightness: colour is less visible in the dark (the Hunt effect).
 static olx_vec3 hunt_lab(olx_vec3 linear) {
   const olx_vec3 xyz = to_xyz(linear);
   const float x = lab_curve(xyz.x), y = lab_curve(xyz.y), z = lab_curve(xyz.z), lightness = 116.0f * y - 16.0f;

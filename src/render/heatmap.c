@@ -50,7 +50,8 @@ static void draw_percent(const picture *target, uint32_t x, uint32_t y, uint32_t
   draw_glyph(target, x + 3 * DIGIT_PITCH, y, 10);
 }
 
-// Black, violet, red, orange, yellow over the square root of the error, so that small errors are visible.
+// Colours the error from black over violet, red and orange to yellow by its square root, so that small errors are
+// visible.
 static void error_color(double error, uint8_t color[3]) {
   static const double stops[5][3] = {{0, 0, 0}, {80, 18, 123}, {200, 40, 60}, {250, 140, 20}, {255, 245, 120}};
   const double position = 4.0 * fmin(sqrt(error), 1.0);

@@ -58,7 +58,7 @@ static inline double olx_affine_determinant(const olx_affine *a) {
   return a->m[0][0] * n.m[0][0] + a->m[0][1] * n.m[0][1] + a->m[0][2] * n.m[0][2];
 }
 
-// Rotation by a quaternion (need not be unit), with scale on its right and a translation.
+// Returns a rotation by a quaternion, which need not be unit, with scale on its right and a translation.
 static inline olx_affine olx_affine_from_trs(const double t[3], const double q[4], const double s[3]) {
   const double length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k = length2 > 0.0 ? 2.0 / length2 : 0.0;
   const double x = q[0], y = q[1], z = q[2], w = q[3];

@@ -16,7 +16,7 @@ static float signed_area(const olx_vec2 *outline, uint32_t points) {
 }
 
 // Returns the quality of cutting off the corner at left[i] of the rest of an outline that turns left: the least height
-// of the triangle, 0 when it is no ear.
+// of the triangle, or 0 when the triangle is not an ear.
 static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t count, uint32_t i) {
   const olx_vec2 a = outline[left[(i + count - 1) % count]], b = outline[left[i]], c = outline[left[(i + 1) % count]];
   const float twice = turn(a, b, c);

@@ -90,7 +90,7 @@ static olx_vec2 segment_normal(const olx_vec2 *profile, uint32_t i) {
   return (olx_vec2){dy * inverse, -dr * inverse};
 }
 
-// Normal of segment i at one of its ends, averaged with the neighbour's unless the corner is sharp.
+// Returns the normal of segment i at one of its ends, averaged with the neighbour's unless the corner is sharp.
 static olx_vec2 end_normal(const olx_vec2 *profile, uint32_t points, uint32_t i, bool upper) {
   const olx_vec2 own = segment_normal(profile, i);
   if (upper ? i + 2 >= points : i == 0) return own;

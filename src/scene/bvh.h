@@ -20,7 +20,8 @@ void olx_bvh_free(olx_bvh *bvh);
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);
 
-// Metres from the point to the nearest triangle (masked parts included); `limit` when none is nearer.
+// Returns the distance in metres from the point to the nearest triangle (masked parts included); `limit` when none is
+// nearer.
 float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit);
 
 // Intersects many rays in packets of 16. `coherent` promises that neighbours in the array have similar origins and

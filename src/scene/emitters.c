@@ -121,7 +121,7 @@ no_memory:
   return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for the emission of %u triangles", scene->triangle_count);
 }
 
-// Luminous power that a light without area emits into a scene of the given radius.
+// Returns the luminous power that a light without area emits into a scene of the given radius.
 static float light_power(const olx_light *light, float radius) {
   const float luminance = olx_luminance(light->emission);
   switch (light->type) {
@@ -210,8 +210,8 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
 // area, which is nearly equivalent, faster, and less sensitive to rounding.
 static const float large_solid_angle = 0.03f;
 
-// Returns an approximate solid angle of a triangle seen from a position; 0 from its dark side. Clamped between the
-// values at its rim and straight in front of it.
+// Returns an approximate solid angle of a triangle seen from a position; 0 from its dark side. The value is clamped
+// between those at the triangle's rim and straight in front of it.
 static float rough_solid_angle(const panel *p, olx_vec3 position) {
   const olx_vec3 way = olx_sub(position, p->center);
   const float height = olx_dot(way, p->normal);

@@ -1,6 +1,6 @@
 // KHR_materials_specular in terms of what a material holds: a specular weight w, with F0 = 0.04 w and F90 = w
 // (docs/maths.md, "materials"). The extension's F0 is min(0.04 colour, 1) factor, and its F90 is the factor. So factors
-// are exact; of a colour its luminance counts, which then dims grazing reflections as well.
+// are exact; a colour contributes only its luminance, which then dims grazing reflections as well.
 #ifndef OLX_SCENE_GLTF_SPECULAR_H
 #define OLX_SCENE_GLTF_SPECULAR_H
 

@@ -23,14 +23,14 @@ const char *olx_json_text(const cJSON *object, const char *key);
 // or in range.
 bool olx_json_index(const cJSON *item, uint32_t count, uint32_t *index, bool *valid);
 
-// Reads a member that counts bytes or elements, up to 2^48; `otherwise` when it is absent. Returns false when it is no
-// such number.
+// Reads a member that counts bytes or elements, up to 2^48; `otherwise` when it is absent. Returns false when the
+// member is not such a number.
 bool olx_json_size(const cJSON *object, const char *key, uint64_t otherwise, uint64_t *size);
 
 // Reads a finite number that a float can hold.
 bool olx_json_float(const cJSON *item, float *value);
 
-// Read exactly `count` finite numbers, in double precision or as floats. Both reject numbers that a float cannot hold.
+// Reads exactly `count` finite numbers, in double precision or as floats. Both reject numbers that a float cannot hold.
 bool olx_json_doubles(const cJSON *item, double *values, int count);
 bool olx_json_floats(const cJSON *item, float *values, int count);
 

@@ -29,7 +29,7 @@ static olx_vec2 interpolate_uv(const olx_vec2 *uvs, const olx_corners *corners, 
   return (olx_vec2){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
-// Texture coordinates at a hit: those of most textures, and the second set of the others.
+// Texture coordinates at a hit: the set that most textures use, and the second set, which the others use.
 typedef struct olx_place_uvs {
   olx_vec2 first, second;
 } olx_place_uvs;

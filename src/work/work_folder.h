@@ -23,7 +23,7 @@ typedef struct olx_manifest {
 
 void olx_manifest_add(olx_manifest *manifest, const char *name, const char *value);
 void olx_manifest_add_hash(olx_manifest *manifest, const char *name, uint64_t hash);
-// The value of a line; "" when the manifest has no line of that name.
+// Returns the value of a line; "" when the manifest has no line of that name.
 typedef struct olx_manifest_value {
   char text[256];
 } olx_manifest_value;

@@ -10,7 +10,19 @@
 #include <string.h>
 
 // Images of the G-buffer, in the order of olx_vulkan_targets, followed by outputs of the passes.
-enum { DEPTH, NORMAL, ALBEDO, MATERIAL, GEOMETRIC_NORMAL, VERTEX_NORMAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
+enum {
+  DEPTH,
+  NORMAL,
+  ALBEDO,
+  MATERIAL,
+  GEOMETRIC_NORMAL,
+  VERTEX_NORMAL,
+  INPUTS,
+  IRRADIANCE = INPUTS,
+  GLOSSY,
+  COLOR,
+  IMAGES
+};
 
 typedef struct vulkan_job {
   gpu_device device;

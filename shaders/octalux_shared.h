@@ -376,7 +376,7 @@ OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
-  olx_gpu_float surface_scale; // of where maps of surfaces begin to where others do: less than 1 where they have no border
+  olx_gpu_float surface_scale; // where maps of surfaces begin, relative to others: below 1 when they have no border
   olx_gpu_uint surface_border; // 1, or 0 without
   olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
   olx_gpu_uint planes_first;   // of geometry blocks, in words
@@ -418,7 +418,7 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
 // Push constants of a relighter's passes.
 OLX_GPU_STRUCT(olx_gpu_relight_call) {
   olx_gpu_uint first, count;              // surfels or volume probes; threads that have something to do
-  olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
+  olx_gpu_uint round, before;             // the first `before` of the surfels have `round` samples, the others one more
   olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
   olx_gpu_uint flags;                     // OLX_CALL_*
 };

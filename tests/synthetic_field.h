@@ -43,7 +43,8 @@ typedef struct synthetic_surfaces_room {
 // Returns the blocks of such surfaces, to be freed; maps point to them from then on.
 olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps);
 // Makes the surfaces for these distances, which point into `room`. Odd probes emit in their last quarter alone.
-olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room);
+olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
+                                        synthetic_surfaces_room *room);
 // A sun, a lamp and a spotlight.
 enum { SYNTHETIC_LIGHTS = 3 };
 extern const olx_field_light synthetic_lights[SYNTHETIC_LIGHTS];

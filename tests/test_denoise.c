@@ -66,7 +66,8 @@ static const olx_history *accumulate(light_buffers *light, const olx_lobe_filter
 
 static void filter_light(light_buffers *light, const olx_lobe_filter *filter, olx_lobe lobe, const view *v) {
   const olx_history *history = &light->history[(light->frame & 1) ^ 1];
-  ASSERT_OK(olx_denoise_filter(filter, lobe, &v->guide, history, &light->history[light->frame & 1], light->filtered, 2));
+  ASSERT_OK(
+      olx_denoise_filter(filter, lobe, &v->guide, history, &light->history[light->frame & 1], light->filtered, 2));
 }
 
 static uint32_t at(uint32_t x, uint32_t y) { return x + SIZE * y; }

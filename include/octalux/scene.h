@@ -70,7 +70,7 @@ typedef struct olx_scene_load_settings {
   // folder that contains the model's folder, or below it; links are followed first. Default false. A description, and
   // the files to which it refers, are read from anywhere.
   bool allow_outside;
-  olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor does not have them
+  olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor lacks them
 } olx_scene_load_settings;
 
 olx_scene_load_settings olx_scene_load_settings_default(void);

@@ -42,7 +42,8 @@ static void find_present(const olx_field_header *header, olx_field_layout *layou
   }
   for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic.size > 0;
   layout->present[OLX_CHUNK_RELIGHT] = header->relight;
-  for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++) layout->present[k] = header->volume_bytes > 0;
+  for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++)
+    layout->present[k] = header->volume_bytes > 0;
   layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
   layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
 }
@@ -191,7 +192,8 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_LIGHTS, header->lights), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_volume(writer, header), opened);
-  if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
+  if (writer->layout.present[OLX_CHUNK_ORIGIN])
+    OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
   return OLX_OK;
 
@@ -318,8 +320,8 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
   return end_probe(writer, index, flags, result);
 }
 
-olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
-                                         const olx_geometry_map *geometry) {
+olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags,
+                                         const uint32_t *radiance, const olx_geometry_map *geometry) {
   OLX_TRY(check_next_probe(writer, index, radiance != NULL, true));
   olx_result result = write_radiance(writer, index, radiance);
   if (result == OLX_OK) result = put_blocks(writer, index, geometry);
@@ -460,7 +462,8 @@ static void end_probes(olx_field_writer *writer) {
 olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes) {
   if (!writer->layout.present[OLX_CHUNK_RELIGHT] || writer->relight_written ||
       writer->surfaces_written != writer->info.probes.count) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%s: relighting that the header does not have, twice, or before the last surfaces",
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "%s: relighting that the header does not have, twice, or before the last surfaces",
                     writer->file.path);
   }
   olx_chunk_shape *shape = &writer->layout.shapes[OLX_CHUNK_RELIGHT];

@@ -32,7 +32,9 @@ static inline uint64_t olx_cell_at_level(uint64_t key, uint32_t levels) {
 
 // Returns a sort key of a cell: in this order, the cells of one size within a larger cell are consecutive. In the order
 // of the keys themselves, surfaces that face other ways would come between them.
-static inline uint64_t olx_cell_order(uint64_t key) { return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS; }
+static inline uint64_t olx_cell_order(uint64_t key) {
+  return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS;
+}
 
 static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {
   return ldexpf(grid->finest, (int)level);

@@ -113,9 +113,6 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_LIGHT_RECT 3u
 #define OLX_LIGHT_TRIANGLE 4u
 #define OLX_LIGHT_SKY 5u
-#define OLX_RELIGHT_POINTS 8u
-#define OLX_RELIGHT_BLOCK 4u
-#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu
 #endif
 
 // Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
@@ -342,6 +339,34 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_ROUGHNESS_RANGE 0.1f // glossy light is not shared between surfaces whose roughness differs by more
 #define OLX_LEAST_WEIGHT 1e-6f   // a pixel whose weights sum to less has no value
 #define OLX_LEAST_SHARE 0.01f    // history is not read when less of the four pixels around a point is valid
+
+// lights: a light without area as a field stores it.
+#define OLX_FIELD_LIGHT_WORDS 16u // of olx_field_light
+
+// relight: the structure of chunk RLIT (docs/format.md, "Relighting").
+#define OLX_RELIGHT_POINTS 8u           // of a surfel, at which its direct light is sampled
+#define OLX_RELIGHT_SURFEL_WORDS 27u    // of olx_relight_surfel
+#define OLX_RELIGHT_BLOCK 4u            // texels along a side of a block of sites
+#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu // of a block that sees the sky alone
+// How far rays start from a texel's surface, as a share of its distance: that distance is a half float with an error of
+// up to half a unit in the last place.
+#define OLX_OFF_SURFACE (1.0f / 1024.0f)
+// The share of its length by which a ray to a light ends early, so that it does not hit the lamp itself.
+#define OLX_END_SHARE 1e-3f
+// Surfels represent surfaces of some size, and their rays some solid angle, so their lobes are widened by this alpha.
+#define OLX_LINK_ALPHA 0.2f
+// The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
+// for the solid angle that they represent.
+#define OLX_MOST_BRIGHT 2.0f
+#define OLX_LIT_SIDE 4u // texels along a side of a block whose samples of lights are stratified together
+#define OLX_SALT_LIGHT 0x524C4954u
+#define OLX_SALT_SURFEL 0x53464C52u
+#define OLX_SALT_TEXEL 0x5445584Cu
+
+// The random numbers of a pixel's rays: the seeds of the lobes' rays branch off the pixel's by these numbers.
+#define OLX_SALT_BRANCH 0x85EBCA6Bu
+#define OLX_DIFFUSE_BRANCH 2u
+#define OLX_GLOSSY_BRANCH 3u
 
 // frames of src/render, and passes: the lower bound of the factor from incident to reflected glossy light, so that
 // dividing by it is safe.

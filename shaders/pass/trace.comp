@@ -76,7 +76,7 @@ void main() {
       write_gathered(pixel, surface, sum, count);
       return;
     }
-    vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), GLOSSY_BRANCH));
+    vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), OLX_GLOSSY_BRANCH));
     trace_ray(surface, random, next, sum);
   }
 }

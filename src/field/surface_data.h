@@ -22,7 +22,7 @@ typedef struct olx_field_light {
   uint32_t zero[4];
 } olx_field_light;
 
-_Static_assert(sizeof(olx_field_light) == 64, "docs/format.md");
+_Static_assert(sizeof(olx_field_light) == OLX_FIELD_LIGHT_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // The surfaces of a field. Material, direct and indirect light are each stored as texels or as blocks; the other
 // pointer is NULL. Emission is always stored as texels.

@@ -8,9 +8,6 @@
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats);
 
-// Seeds of the random numbers of field rays, distinct from those of direct light: arguments of olx_sampler_split.
-enum { OLX_DIFFUSE_BRANCH = 2, OLX_GLOSSY_BRANCH = 3 };
-
 // Returns the direct light of all emitters or, where rays through the field find area lights, of lights without area
 // alone.
 olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *shading, olx_sampler *sampler,

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "field/field_chunks.h"
 
 #include <assert.h>
 
@@ -31,21 +32,25 @@ struct olx_field_writer {
   uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and the number of tiles
 };
 
+static void set_bytes(olx_field_layout *layout, olx_chunk_kind kind, size_t size_bytes) {
+  layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = size_bytes;
+}
+
 static void find_present(const olx_field_header *header, olx_field_layout *layout) {
   const olx_field_info *info = &header->info;
-  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->present[k] = olx_chunk_is_required(info, k);
-  layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
-  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
-    const olx_chunk_kind kind = olx_select_chunk(select);
-    layout->present[kind] = (info->select_mask & 1u << select) != 0;
-    layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = header->select_bytes[select];
+  const bool has[OLX_FIELD_PARTS] = {[OLX_PART_CLASSIC] = info->classic.size > 0,
+                                     [OLX_PART_VOLUME] = header->volume_bytes > 0,
+                                     [OLX_PART_RELIGHT] = header->relight,
+                                     [OLX_PART_ORIGIN] = olx_origin_is_stored(header->origin)};
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    layout->present[k] = olx_chunk_is_required(info, k) || has[olx_chunk_kinds[k].part];
   }
-  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic.size > 0;
-  layout->present[OLX_CHUNK_RELIGHT] = header->relight;
-  for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++)
-    layout->present[k] = header->volume_bytes > 0;
-  layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
-  layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    layout->present[olx_select_chunk(select)] = (info->select_mask & 1u << select) != 0;
+    set_bytes(layout, olx_select_chunk(select), header->select_bytes[select]);
+  }
+  set_bytes(layout, OLX_CHUNK_VOLUME, header->volume_bytes);
+  layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
 }
 
 void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout) {

@@ -296,11 +296,3 @@ bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx
   return point->valid;
 }
 
-bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
-                           const olx_ray_hit **hits) {
-  const fit_point *point = &fit->points[index];
-  *position = point->position;
-  *normal = point->normal;
-  *hits = fit->hits + (size_t)index * RAYS_PER_POINT;
-  return point->valid;
-}

@@ -41,18 +41,15 @@ uint64_t olx_surface_fit_bytes(uint32_t probe_count, bool solved);
 // with the light of earlier bounces. With `light` the measurement is of all light, whatever the bounce.
 olx_result olx_surface_fit_solve(olx_surface_fit *fit, const olx_irradiance_source *source, uint32_t bounce);
 
-// Returns point `index`, of OLX_FIT_POINTS_PER_PROBE for each probe: its place, and what OLX_FIT_RAYS rays from it met.
-// Returns false when there is no such point. A fit to a solution casts no rays and has no points to return.
+// Points of each probe, and rays from each point, which a fit to a solution does not cast.
 enum { OLX_FIT_POINTS_PER_PROBE = 512, OLX_FIT_RAYS = 64 };
-bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
-                           const olx_ray_hit **hits);
 
-// Returns what the last olx_surface_fit_solve measured at the point of that index, and the probes from which the point
-// is interpolated; false when there is no such point.
+// What the last olx_surface_fit_solve measured at a point, and the probes from which the point is interpolated.
 typedef struct olx_surface_measurement {
   olx_vec3 normal, irradiance;
   const olx_irradiance_weights *weights;
 } olx_surface_measurement;
+// Returns the measurement at point `index` over all probes, or false when there is no such point.
 bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx_surface_measurement *measurement);
 
 // Returns the correction that was solved last, for a direction of a probe's map.

@@ -104,10 +104,6 @@ bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *s
   return is_clear(s, (place){surface->position, surface->geometric_normal}, (place){surfel->position, surfel->normal});
 }
 
-bool olx_light_surfels_beside(const olx_light_surfels *s, const olx_light_surfel *one, const olx_light_surfel *other) {
-  return is_clear(s, (place){one->position, one->normal}, (place){other->position, other->normal});
-}
-
 // Returns the first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;

@@ -62,10 +62,6 @@ olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_p
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
 
-// Returns whether nothing lies between two neighbouring surfels.
-bool olx_light_surfels_beside(const olx_light_surfels *surfels, const olx_light_surfel *one,
-                              const olx_light_surfel *other);
-
 // The surfel that covers a point.
 typedef struct olx_surfel_found {
   uint32_t surfel; // OLX_CELL_NONE when there is none

@@ -92,9 +92,8 @@ olx_result olx_cover_gains_from(const olx_cover_state *state, const olx_cover_op
 // Returns the row of a position and its gain, if it covers at least `least`; otherwise only `covered`.
 olx_gain olx_cover_look(const olx_cover_state *state, const olx_cover_open *open, olx_vec3 place, uint64_t least,
                         uint8_t *row);
-// Returns the total weight of the columns that are not covered, and of all columns that can be.
+// Returns the total weight of the columns that are not covered.
 uint64_t olx_cover_uncovered(const olx_cover_state *state);
-uint64_t olx_cover_total(const olx_cover_state *state);
 
 // Returns the weight of the packed open columns that a candidate covers.
 uint64_t olx_cover_candidate_weight(const olx_cover_state *state, const olx_cover_open *open, uint32_t candidate);

@@ -10,10 +10,6 @@
 void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 place, const olx_surfels *surfels,
                    uint8_t *quality);
 
-// Computes rows of a matrix, qualities[surfels->count * i], one for each position.
-olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
-                                 const olx_surfels *surfels, uint32_t threads, olx_task *task, uint8_t *qualities);
-
 // Counts views: views[i] is the number of positions that see surfel i well or, without `sight`, that have a free line
 // of sight to it at any angle and distance; counted up to `most`, which is 1 to 255. first[i], when not NULL, is the
 // first of them, or `count`.

@@ -8,10 +8,6 @@ typedef struct olx_affine {
   double m[3][4]; // rows; the last column is the translation
 } olx_affine;
 
-static inline olx_affine olx_affine_identity(void) {
-  return (olx_affine){.m = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-}
-
 // Returns the product a b, which applies b first.
 static inline olx_affine olx_affine_multiply(const olx_affine *a, const olx_affine *b) {
   olx_affine product;

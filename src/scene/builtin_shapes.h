@@ -92,8 +92,6 @@ enum {
 #define OLX_WALL_BASE (1ull | 1ull << (OLX_ARCH_STEPS + 3))
 #define OLX_WALL_ENDS (1ull << (OLX_ARCH_STEPS + 4) | 1ull << (OLX_ARCH_STEPS + 6))
 #define OLX_WALL_TOP (1ull << (OLX_ARCH_STEPS + 5))
-// Sides at the base of an arch band.
-#define OLX_BAND_BASE (1ull << (OLX_ARCH_STEPS + 2) | 1ull << (2 * OLX_ARCH_STEPS + 5))
 
 // Makes the outline of a wall from `left` to `right`, from the arch's base up to `top`, with the arch as its opening.
 void olx_arched_wall(const olx_arch *arch, float left, float right, float top,

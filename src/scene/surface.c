@@ -256,20 +256,6 @@ static bool varies_over_triangle(const olx_material *material) {
          has_texture(material->emission_texture) || material->vertex_colors;
 }
 
-bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo) {
-  const olx_material *material = &scene->materials[surface->material];
-  *albedo = surface->bsdf.albedo;
-  if (!varies_over_triangle(material)) return true;
-  if (has_texture(material->metallic_roughness_texture) || has_texture(material->emission_texture) ||
-      material->metallic > 0.0f) {
-    return false;
-  }
-  const olx_corners c = corners_of(scene, hit->triangle);
-  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
-  *albedo = base_color_at(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v));
-  return true;
-}
-
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous) {
   const bool again = previous && previous->triangle == hit->triangle;

@@ -35,10 +35,6 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
 // Returns the interpolated vertex normal, without a normal map, at the hit of `surface`, on the same side.
 olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface);
 
-// Finds the albedo at another hit on the material of `surface`, when only its colour varies; false when other
-// properties do.
-bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo);
-
 // Returns whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
 

@@ -435,5 +435,4 @@ void olx_work_folder_remove(olx_work_folder *f) {
 }
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *f) { return &f->manifest; }
-const char *olx_work_folder_path(const olx_work_folder *f) { return f->path; }
 uint64_t olx_work_folder_bytes(const olx_work_folder *f) { return f->bytes; }

@@ -58,7 +58,6 @@ void olx_work_folder_close(olx_work_folder *folder);
 void olx_work_folder_remove(olx_work_folder *folder);
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *folder);
-const char *olx_work_folder_path(const olx_work_folder *folder);
 // Returns the total size in bytes of the units that existed when it was opened and that were stored since.
 uint64_t olx_work_folder_bytes(const olx_work_folder *folder);
 

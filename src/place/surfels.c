@@ -239,9 +239,10 @@ static reach reach_of(const olx_space *space, const olx_ray *ray, const olx_ray_
   return r;
 }
 
-// The union of the bits of voxels along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT where a voxel allows a probe and
-// sees well.
 enum { FIT = 8 };
+
+// Returns the union of the bits of voxels along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT where a voxel allows a
+// probe and sees well.
 static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, const olx_ray *ray,
                          reach r) {
   const float limit = sight_limit(sight, olx_dot(ray->direction, surfel->normal)), step = 0.5f * space->voxels.size;

@@ -37,11 +37,6 @@ olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner) {
   return olx_madd(low, olx_v3((float)(corner & 1), (float)(corner >> 1 & 1), (float)(corner >> 2)), side);
 }
 
-static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 static void spread_places(cell_places *c) {
   static const float third = 1.0f / 3.0f;
   const float steps[LATTICE] = {INSET, third, 2.0f * third, 1.0f - INSET};
@@ -63,7 +58,7 @@ static uint32_t root_of(cell_places *c, uint32_t place) {
 static void connect(cell_places *c, uint32_t a, uint32_t b) {
   if (!(c->free >> a & c->free >> b & 1)) return;
   const uint32_t i = root_of(c, a), k = root_of(c, b);
-  if (i == k || !clear(c->space->scene, c->places[a], c->places[b])) return;
+  if (i == k || !olx_bvh_is_clear(c->space->scene->bvh, c->places[a], c->places[b])) return;
   if (i < k) c->part[k] = (uint8_t)i;
   else c->part[i] = (uint8_t)k;
 }
@@ -204,7 +199,8 @@ static bool has_corner(const cell_places *c, uint64_t part, olx_vec3 anchor, olx
     nearest = distance;
     near = i;
   }
-  return clear(c->space->scene, c->places[near], corner) || clear(c->space->scene, anchor, corner);
+  const olx_bvh *bvh = c->space->scene->bvh;
+  return olx_bvh_is_clear(bvh, c->places[near], corner) || olx_bvh_is_clear(bvh, anchor, corner);
 }
 
 static uint32_t make_side(cell_places *c, uint64_t part) {

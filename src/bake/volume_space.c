@@ -7,11 +7,6 @@
 
 enum { OUTSIDE = 2 }; // label of voxels
 
-static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 // The voxels around a place, itself first.
 typedef struct voxel_range {
   int32_t low[3], high[3];
@@ -47,7 +42,7 @@ static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels,
     for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
       for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
         const size_t voxel = voxel_index(v, x, y, z);
-        if (labels[voxel] != 0 || !clear(s->scene, position, olx_voxel_centre(v, voxel))) continue;
+        if (labels[voxel] != 0 || !olx_bvh_is_clear(s->scene->bvh, position, olx_voxel_centre(v, voxel))) continue;
         olx_voxels_flood(v, voxel, 1, labels, stack);
       }
     }
@@ -132,7 +127,7 @@ static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind
     for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
       for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
         const size_t voxel = voxel_index(v, x, y, z);
-        if (is_kind(s, voxel) && clear(s->scene, place, olx_voxel_centre(v, voxel))) return true;
+        if (is_kind(s, voxel) && olx_bvh_is_clear(s->scene->bvh, place, olx_voxel_centre(v, voxel))) return true;
       }
     }
   }

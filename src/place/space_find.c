@@ -25,11 +25,6 @@ enum {
   MOST_VOXELS_ALONG = 1 << 20
 };
 
-static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 static bool is_free(const olx_world *w, const uint32_t voxel[3]) {
   const olx_voxel_state state = olx_world_state(w, voxel);
   return state == OLX_VOXEL_CUT_OFF || state == OLX_VOXEL_REACHED;
@@ -45,7 +40,7 @@ static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
     if (!olx_world_at(w, olx_madd(eye, step, w->lattice.size), voxel) || !is_free(w, voxel)) continue;
     const olx_vec3 centre = olx_world_centre(w, voxel);
     const float distance = olx_length(olx_sub(centre, eye));
-    if (distance >= nearest_distance || !sees(w->scene, eye, centre)) continue;
+    if (distance >= nearest_distance || !olx_bvh_is_clear(w->scene->bvh, eye, centre)) continue;
     memcpy(nearest, voxel, sizeof nearest);
     nearest_distance = distance;
   }

@@ -236,7 +236,8 @@ static double add_pixel(error_sum *sum, const float *a0, const float *a1, const 
   return square;
 }
 
-// The difference of two neighbours estimates the noise of both. As their errors also differ, it is an upper bound.
+// The difference of two neighbouring pixels estimates the noise of both. It is an upper bound, because their errors
+// differ as well.
 static void add_image(error_sum *sum, const olx_image a[2], const olx_image b[2], bench_light light, bool frames) {
   const size_t pixels = (size_t)a->width * a->height;
   double before = 0.0;

@@ -7,7 +7,7 @@
 #include <octalux/place.h>
 #include <octalux/render.h>
 
-// A folder for temporary fields, under TMPDIR. The user empties and removes it.
+// A folder for temporary fields, under TMPDIR. Its owner empties and removes it.
 typedef struct bench_folder {
   char path[3072];
 } bench_folder;
@@ -57,7 +57,8 @@ typedef struct bench_field {
   char path[4096];
 } bench_field;
 
-// Places probes, bakes to a file of that number in the folder, and opens it. Must be closed, also after a failure.
+// Places probes, bakes to a file of that number in the folder, and opens it. The caller closes it, also after a
+// failure.
 olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             const bench_folder *folder, uint32_t number, const olx_progress *progress,
                             bench_field *made);
@@ -87,8 +88,8 @@ typedef struct bench_way {
   uint32_t frames;
 } bench_way;
 
-// Renders with the method's settings, whose seed is replaced: images of different `stream` are independent. Must be
-// freed, also after a failure.
+// Renders with the method's settings, whose seed is replaced: images of different `stream` are independent. The caller
+// frees them, also after a failure.
 olx_result bench_images_render(const olx_scene *scene, const olx_camera *cameras, uint32_t count, const bench_way *way,
                                uint32_t stream, const olx_progress *progress, bench_images *images);
 void bench_images_free(bench_images *images);

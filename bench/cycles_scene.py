@@ -28,8 +28,8 @@ import exr_file  # noqa: E402
 
 LARGEST_ALBEDO = 0.95
 MIRROR_ROUGHNESS = 0.03
-# Blender's metals rise from F0 to 1 as the Fresnel equations of some index of refraction do, which this sets. At 1.345
-# the mean over the hemisphere is that of Schlick's (1 - cosine)^5, 1 / 21.
+# Blender's metals rise from F0 to 1 as the Fresnel equations of some index of refraction do, and this index is set
+# here. At 1.345 the mean over the hemisphere is that of Schlick's (1 - cosine)^5, 1 / 21.
 FRESNEL_SPECULAR = 0.27
 
 
@@ -405,7 +405,7 @@ def configure(settings):
     cycles.transmission_bounces = cycles.volume_bounces = 0
     cycles.transparent_max_bounces = 1024
     cycles.caustics_reflective = cycles.caustics_refractive = True
-    # What Blender does to noise costs light: all of it is off unless an experiment turns it on.
+    # Blender's means against noise lose light, so all of them are off unless an experiment turns one on.
     cycles.blur_glossy = cycles.sample_clamp_direct = 0.0
     cycles.sample_clamp_indirect = settings["clamp_indirect"]
     cycles.light_sampling_threshold = settings["light_threshold"]

@@ -93,7 +93,7 @@ olx_render_settings bench_field_settings(const bench *b) {
   return settings;
 }
 
-// The parameters of a reference; compared as bytes, so that every byte must be set.
+// The parameters of a reference. They are compared as bytes, so every byte must be set.
 typedef struct reference_key {
   uint64_t scene_hash;
   olx_camera cameras[BENCH_CAMERAS];

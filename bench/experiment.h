@@ -104,7 +104,7 @@ olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *c
 
 // Returns default settings for baking a field: fine, or rough with --quick.
 bench_bake bench_bake_settings(const bench *b, bool classic);
-// Places, bakes and opens a field. Must be closed by bench_field_close, also after a failure.
+// Places, bakes and opens a field. The caller closes it by bench_field_close, also after a failure.
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made);
 // Renders images from a field, with noise independent of the references'.
@@ -120,18 +120,8 @@ typedef struct bench_quality {
 olx_result bench_compare(bench *b, bench_images *images, bench_images *references, bench_light light, uint32_t camera,
                          bench_quality *quality);
 
-// Columns and cells for a bench_quality.
-#define QUALITY_COLUMNS                                                                                                \
-  {"mse", "MSE", BENCH_QUALITY, NULL, "mean squared error of light, free of noise on average"},                        \
-      {"noise", "\u00b1", BENCH_SPREAD, NULL, "what noise may be off in it: at least its standard error"},             \
-      {"relative_mse", "relative MSE", BENCH_QUALITY, NULL, "over the reference's mean square"},                       \
-      {"bias", "bias", BENCH_QUALITY, "%", "light too much or missing, over the reference's mean"},                    \
-      {"ssim", "SSIM", BENCH_QUALITY, NULL, "structural similarity of the tone-mapped pictures: 1 is equal"}, {        \
-    "flip", "FLIP", BENCH_QUALITY, NULL, "mean LDR-FLIP of the tone-mapped pictures: 0 is equal"                       \
-  }
-#define QUALITY_CELLS(q)                                                                                               \
-  NUMBER_CELL((q).error.mse), NUMBER_CELL((q).error.noise), NUMBER_CELL((q).error.relative_mse),                       \
-      NUMBER_CELL((q).error.bias), NUMBER_CELL((q).ssim), NUMBER_CELL((q).flip)
+// Writes the cells of a difference, in the order of its columns.
+void bench_quality_cells(const bench_quality *quality, bench_cell cells[BENCH_DIFFERENCE_COLUMNS]);
 
 // Images of one view for the report and for --images: several methods, then the reference, of one layer.
 typedef struct bench_shown {

@@ -9,6 +9,12 @@
 
 enum { PATH_TEXT = 4096 };
 
+void bench_quality_cells(const bench_quality *q, bench_cell cells[BENCH_DIFFERENCE_COLUMNS]) {
+  const double numbers[BENCH_DIFFERENCE_COLUMNS] = {q->error.mse,  q->error.noise, q->error.relative_mse,
+                                                    q->error.bias, q->ssim,        q->flip};
+  for (uint32_t c = 0; c < BENCH_DIFFERENCE_COLUMNS; ++c) cells[c] = NUMBER_CELL(numbers[c]);
+}
+
 static olx_layer layer_of(bench_light light) {
   static const olx_layer layers[] = {[BENCH_DIFFUSE] = OLX_LAYER_INDIRECT_DIFFUSE,
                                      [BENCH_GLOSSY] = OLX_LAYER_INDIRECT_GLOSSY,

@@ -13,20 +13,50 @@
 
 enum { MOST_SERIES = 12, CELL_TEXT = 96 };
 
+static const bench_column difference_columns[BENCH_DIFFERENCE_COLUMNS] = {
+    {"mse", "MSE", BENCH_QUALITY, NULL, "mean squared error of light, free of noise on average"},
+    {"noise", "\u00b1", BENCH_SPREAD, NULL, "what noise may be off in it: at least its standard error"},
+    {"relative_mse", "relative MSE", BENCH_QUALITY, NULL, "over the reference's mean square"},
+    {"bias", "bias", BENCH_QUALITY, "%", "light too much or missing, over the reference's mean"},
+    {"ssim", "SSIM", BENCH_QUALITY, NULL, "structural similarity of the tone-mapped pictures: 1 is equal"},
+    {"flip", "FLIP", BENCH_QUALITY, NULL, "mean LDR-FLIP of the tone-mapped pictures: 0 is equal"},
+};
+
+// Adds columns to a table, with those of a difference in place of BENCH_DIFFERENCE.
+static void add_columns(bench_table *table, const bench_column *columns, uint32_t count) {
+  for (uint32_t c = 0; c < count; ++c) {
+    const bool several = columns[c].kind == BENCH_DIFFERENCE;
+    const uint32_t own = several ? BENCH_DIFFERENCE_COLUMNS : 1;
+    assert(table->column_count + own <= BENCH_COLUMNS);
+    memcpy(table->columns + table->column_count, several ? difference_columns : &columns[c], sizeof *columns * own);
+    table->column_count += own;
+  }
+}
+
+// Writes cells, with those of a difference in its place. Returns their number.
+static uint32_t expand_cells(const bench_cell *cells, uint32_t count, bench_cell expanded[BENCH_COLUMNS]) {
+  uint32_t total = 0;
+  for (uint32_t c = 0; c < count; ++c) {
+    const uint32_t own = cells[c].group ? BENCH_DIFFERENCE_COLUMNS : 1;
+    assert(total + own <= BENCH_COLUMNS);
+    memcpy(expanded + total, cells[c].group ? cells[c].group : &cells[c], sizeof *expanded * own);
+    total += own;
+  }
+  return total;
+}
+
 bench_table *findings_table(findings *f, const char *name, const char *caption, const bench_column *columns,
                             uint32_t column_count, const bench_plot *plots, uint32_t plot_count) {
   assert(f->table_count < FINDINGS_TABLES);
   bench_table *table = &f->tables[f->table_count++];
-  *table = (bench_table){.name = name,
-                         .caption = caption,
-                         .columns = columns,
-                         .column_count = column_count,
-                         .plots = plots,
-                         .plot_count = plot_count};
+  *table = (bench_table){.name = name, .caption = caption, .plots = plots, .plot_count = plot_count};
+  add_columns(table, columns, column_count);
   return table;
 }
 
-void findings_row(findings *f, bench_table *table, const bench_cell *cells, uint32_t count) {
+void findings_row(findings *f, bench_table *table, const bench_cell *given, uint32_t given_count) {
+  bench_cell cells[BENCH_COLUMNS];
+  const uint32_t count = expand_cells(given, given_count, cells);
   assert(count == table->column_count);
   if (table->row_count == table->capacity) {
     const uint32_t capacity = table->capacity ? 2 * table->capacity : 16;

@@ -9,13 +9,16 @@
 #include <cjson/cJSON.h>
 
 typedef enum bench_kind {
-  BENCH_NAME,     // text; all names of a row together identify it
-  BENCH_COUNT,    // a setting, or a value derived from settings alone
-  BENCH_QUALITY,  // measured, and the same in every run
-  BENCH_SPREAD,   // uncertainty of a quality
-  BENCH_TIME,     // measured, and specific to this machine and run
-  BENCH_PUBLISHED // from the paper
+  BENCH_NAME,      // text; all names of a row together identify it
+  BENCH_COUNT,     // a setting, or a value derived from settings alone
+  BENCH_QUALITY,   // measured, and the same in every run
+  BENCH_SPREAD,    // uncertainty of a quality
+  BENCH_TIME,      // measured, and specific to this machine and run
+  BENCH_PUBLISHED, // from the paper
+  BENCH_DIFFERENCE // replaced by the columns of an image's difference from its reference
 } bench_kind;
+
+enum { BENCH_COLUMNS = 32, BENCH_DIFFERENCE_COLUMNS = 6 }; // the most of a table; those of a difference
 
 typedef struct bench_column {
   const char *key, *name;
@@ -24,12 +27,15 @@ typedef struct bench_column {
   const char *note; // its meaning, or NULL
 } bench_column;
 
-typedef struct bench_cell {
-  const char *text; // for names; copied
-  double number;    // NaN leaves the cell empty
-} bench_cell;
+typedef struct bench_cell bench_cell;
+struct bench_cell {
+  const char *text;        // for names; copied
+  double number;           // NaN leaves the cell empty
+  const bench_cell *group; // the cells of BENCH_DIFFERENCE instead, or NULL
+};
 #define TEXT_CELL(t) ((bench_cell){.text = (t)})
 #define NUMBER_CELL(n) ((bench_cell){.number = (n)})
+#define DIFFERENCE_CELLS(cells) ((bench_cell){.group = (cells)})
 #define NO_CELL ((bench_cell){.number = NAN})
 
 // A plot of a table's columns. Lines: one series for each value of the column `series`, or a single one. Bars, with `x`
@@ -41,7 +47,7 @@ typedef struct bench_plot {
 
 typedef struct bench_table {
   const char *name, *caption;
-  const bench_column *columns;
+  bench_column columns[BENCH_COLUMNS];
   uint32_t column_count, row_count, capacity;
   bench_cell *cells;
   const bench_plot *plots;

@@ -102,7 +102,7 @@ void release_bake_settings(olx_bake_settings *settings) {
 
 bake_options bake_options_begin(void) { return (bake_options){.settings = olx_bake_settings_default(NULL)}; }
 
-// Whether the command line requests probe light; options for how it is computed imply it.
+// Returns whether the command line requests probe light; options for how it is computed imply it.
 static bool asks_for_probe_light(const command_line *line) {
   static const char *const names[] = {"--probe-light", "--irradiance-grid", "--irradiance-size",
                                       "--no-fit",      "--irradiance",      "--bounce-gather"};

@@ -11,7 +11,7 @@ typedef struct bake_options {
   const char *probes;         // file of probe positions, or NULL
 } bake_options;
 
-// The defaults before options are read. Grids have no probes until the scene is loaded.
+// Returns the defaults before options are read. Grids have no probes until the scene is loaded.
 bake_options bake_options_begin(void);
 
 // Options that fill a bake_options: the most common ones, which go before `threads_option`, those of quality, and those
@@ -19,7 +19,7 @@ bake_options bake_options_begin(void);
 extern const option bake_basic_options[], bake_quality_options[], bake_research_options[];
 
 double grid_probe_count(const olx_grid *grid);
-// Number of irradiance probes; 0 without probe light.
+// Returns the number of irradiance probes; 0 without probe light.
 double irradiance_probe_count(const olx_bake_settings *settings);
 double light_probe_count(const olx_bake_settings *settings);
 

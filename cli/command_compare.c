@@ -23,7 +23,7 @@ static bool wanted(const comparison *c, uint32_t layer) {
   return layer <= OLX_LAYER_INDIRECT_GLOSSY && c->images[0].layers[layer] && c->images[1].layers[layer];
 }
 
-// The layer whose images are drawn.
+// Returns the layer whose images are drawn.
 static olx_layer drawn_layer(const comparison *c) {
   return c->layer == OLX_LAYER_COUNT ? OLX_LAYER_BEAUTY : (olx_layer)c->layer;
 }

@@ -12,7 +12,8 @@
 
 #define MILLION 1000000u
 
-// What both commands share: a file is converted to another, whose name is derived from the first unless it is given.
+// The part that both commands share: a file is converted to another, whose name is derived from the first unless it is
+// given.
 typedef struct packing {
   const char *name, *from, *to; // name of the command, and the endings of its files
   const char *input, *output;

@@ -21,7 +21,7 @@ typedef struct layer_title {
   char text[32];
 } layer_title;
 
-// The title of a layer, such as "indirect diffuse".
+// Returns the title of a layer, such as "indirect diffuse".
 static layer_title title_of(uint32_t layer) {
   layer_title title;
   snprintf(title.text, sizeof title.text, "%s", olx_layer_name((olx_layer)layer));

@@ -24,11 +24,11 @@ int check_files(const char *command, const command_files *files, bool json);
 // Checks that no output is a file that the scene was read from, such as a model or a texture.
 int check_scene_files(const char *command, const command_files *files, const olx_scene *scene);
 
-// Whether a path has this ending, or is standard output, which takes any format.
+// Returns whether a path has this ending, or is standard output, which takes any format.
 bool is_output_named(const char *path, const char *ending);
 
-// Redirects further output to standard error when an output was written to standard output. Called when all outputs are
-// written.
+// Redirects further output to standard error when an output was written to standard output. The caller calls this when
+// all outputs are written.
 void print_beside_outputs(const command_files *files);
 
 #endif

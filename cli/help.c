@@ -131,7 +131,8 @@ void print_help(const command_line *line, help_form form) {
   else print_terminal(line, form == HELP_ALL);
 }
 
-// The edit distance between two words: the least number of insertions, deletions, replacements and swaps of neighbours.
+// Returns the edit distance between two words: the least number of insertions, deletions, replacements and swaps of
+// neighbours.
 static size_t distance_between(const char *a, size_t a_length, const char *b, size_t b_length) {
   size_t rows[3][LONGEST_WORD + 1];
   size_t *before = rows[0], *last = rows[1], *now = rows[2];

@@ -17,8 +17,8 @@ bool help_form_of(const char *word, help_form *form);
 // Prints the help in a form to standard output.
 void print_help(const command_line *line, help_form form);
 
-// The known word most similar to `word`, or NULL when none is similar: at most a third of its letters differ, where
-// swapped neighbours count as one.
+// Returns the known word most similar to `word`, or NULL when none is similar: at most a third of its letters differ,
+// where swapped neighbours count as one.
 const char *nearest_word(const char *word, size_t length, const char *const *known, size_t count);
 
 #endif

@@ -42,8 +42,7 @@ void html_report_fact(cJSON *frame, const char *name, double value);
 // Writes the file and releases the report. Returns EXIT_DONE, or EXIT_FAILED after a line with the reason.
 int html_report_write(const char *command, cJSON *report, const char *path);
 
-// Building blocks of the functions above: append a new object to the array `key` of `parent`, and encode bytes as
-// Base64.
+// Building blocks of reports: append a new object to the array `key` of `parent`, and encode bytes as Base64.
 cJSON *html_report_append(cJSON *parent, const char *key);
 cJSON *html_report_bytes(const uint8_t *bytes, size_t size_bytes);
 

@@ -57,7 +57,7 @@ typedef struct command_line {
   size_t named_count;
 } command_line;
 
-// Whether a command fails without the option.
+// Returns whether a command fails without the option.
 static inline bool must_be_given(const option *o) { return o->kind == OPTION_TEXT && o->min == 1; }
 
 // A place in the tables of a command: for (option_place at = {line->tables, NULL}; next_option(&at);) ...
@@ -72,13 +72,13 @@ static inline bool next_option(option_place *at) {
   return at->row != NULL;
 }
 
-// The title that begins at the row, or NULL.
+// Returns the title that begins at the row, or NULL.
 static inline const char *title_at(const option_place *at) {
   return at->row == at->table->options ? at->table->title : NULL;
 }
 
-// The prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as octalux-view,
-// whose name begins with "octalux" itself.
+// Returns the prefix of a command's name in messages: "octalux ", or nothing for a separate program, such as
+// octalux-view, whose name begins with "octalux" itself.
 static inline const char *program_prefix(const char *command) {
   return strncmp(command, "octalux", 7) == 0 ? "" : "octalux ";
 }

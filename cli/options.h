@@ -21,10 +21,10 @@ extern const option json_option[];     // bool
 extern const option progress_option[]; // bool
 extern const option threads_option[];  // uint32_t
 
-// Whether the option was given on the command line.
+// Returns whether the option was given on the command line.
 bool was_given(const command_line *line, const char *name);
 
-// Whether --quiet was given, which suppresses warnings and progress.
+// Returns whether --quiet was given, which suppresses warnings and progress.
 bool is_quiet(void);
 
 // Prints "warning: message", unless warnings are suppressed.

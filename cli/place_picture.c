@@ -13,7 +13,7 @@ static olx_vec3 mix(olx_vec3 a, olx_vec3 b, float t) {
   return (olx_vec3){a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t};
 }
 
-// A colour from violet in narrow places to pale yellow in wide ones.
+// Returns a colour from violet in narrow places to pale yellow in wide ones.
 static olx_vec3 skeleton_color(float radius, float largest) {
   const olx_vec3 narrow = {0.10f, 0.03f, 0.30f}, middle = {0.03f, 0.30f, 0.30f}, wide = {0.85f, 0.80f, 0.25f};
   const float t = largest > 0.0f ? sqrtf(radius / largest) : 0.0f;

@@ -45,7 +45,7 @@ static double place(const axis *a, double value) {
   return a->first_pixel + (position - a->low) / (a->high - a->low) * (a->last_pixel - a->first_pixel);
 }
 
-// The tick distance, 1, 2 or 5 times a power of ten, such that about `count` steps cover the range.
+// Returns the tick distance, 1, 2 or 5 times a power of ten, such that about `count` steps cover the range.
 static double tick_step(double range, int count) {
   const double raw = range / count, power = pow(10.0, floor(log10(raw))), share = raw / power;
   return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);

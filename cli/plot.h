@@ -28,7 +28,7 @@ typedef struct bar_plot {
   uint32_t series_count;
 } bar_plot;
 
-// The text of an <svg>, which the caller frees; NULL when memory runs out.
+// Returns the text of an <svg>, which the caller frees; NULL when memory runs out.
 char *plot_lines(const line_plot *plot);
 char *plot_bars(const bar_plot *plot);
 

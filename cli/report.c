@@ -37,7 +37,7 @@ void add_number(cJSON *object, const char *key, double value) {
 
 void add_text(cJSON *object, const char *key, const char *value) { cJSON_AddStringToObject(object, key, value); }
 
-// The shortest decimal number that reads back as this float: 0.1, not 0.100000001490116.
+// Returns the shortest decimal number that reads back as this float: 0.1, not 0.100000001490116.
 static double shortest(float value) {
   char text[32];
   for (int digits = 6; digits <= 9; ++digits) {

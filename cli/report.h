@@ -33,10 +33,10 @@ typedef struct progress_line {
   int last_percent;
 } progress_line;
 
-// Shows the line when standard error is a terminal, or always with `force`. To be called when the work begins.
+// Shows the line when standard error is a terminal, or always with `force`. The caller calls this when the work begins.
 void progress_begin(progress_line *line, const char *command, bool force);
 olx_progress progress_of(progress_line *line);
-// Removes the line. To be called when the work has ended.
+// Removes the line. The caller calls this when the work has ended.
 void progress_end(progress_line *line);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-// Begins to wait for signals, in the name of a command. To be called before any other thread is started.
+// Begins to wait for signals, in the name of a command. The caller calls this before it starts any other thread.
 void stop_watch(const char *command);
 
 // Restores the default handling of signals, before another program replaces this one.
@@ -18,14 +18,14 @@ void stop_hand_over(void);
 void stop_work_begin(void);
 void stop_work_end(void);
 
-// Whether a signal was received.
+// Returns whether a signal was received.
 bool stop_requested(void);
 
-// The exit code: 128 + the signal's number when one was received, otherwise `code`.
+// Returns the exit code: 128 + the signal's number when one was received, otherwise `code`.
 int stop_exit_code(int code);
 
-// Registers a temporary folder, which is removed with its files when the program is ended at once. NULL: none. The path
-// is copied.
+// Registers a temporary folder, which is removed with its files when the program is ended at once. With NULL there is
+// no such folder. The path is copied.
 void stop_remove_folder(const char *path);
 
 #endif

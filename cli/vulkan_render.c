@@ -10,7 +10,19 @@
 #include <string.h>
 
 // Images of the G-buffer, in the order of olx_vulkan_targets, followed by outputs of the passes.
-enum { DEPTH, NORMAL, ALBEDO, MATERIAL, GEOMETRIC_NORMAL, VERTEX_NORMAL, INPUTS, IRRADIANCE = INPUTS, GLOSSY, COLOR, IMAGES };
+enum {
+  DEPTH,
+  NORMAL,
+  ALBEDO,
+  MATERIAL,
+  GEOMETRIC_NORMAL,
+  VERTEX_NORMAL,
+  INPUTS,
+  IRRADIANCE = INPUTS,
+  GLOSSY,
+  COLOR,
+  IMAGES
+};
 
 typedef struct vulkan_job {
   gpu_device device;
@@ -101,7 +113,7 @@ static void look_from(vulkan_job *job) {
   memcpy(job->view.clip_to_world, job->gbuffer.clip_to_world, sizeof job->view.clip_to_world);
 }
 
-// The passes that are recorded below.
+// Returns the passes that the settings call for.
 static uint32_t passes_of(const olx_render_settings *s) {
   if (s->method == OLX_METHOD_CLASSIC) return OLX_VULKAN_PASS_COMPOSITE;
   return OLX_VULKAN_PASS_GLOSSY | OLX_VULKAN_PASS_COMPOSITE |
@@ -193,8 +205,8 @@ static bool light_classically(vulkan_job *job, const olx_image *image) {
   return fine && add_diffuse(job, 1.0f, image) && add_glossy(job, 1.0f, image);
 }
 
-// Number of a sample's rays that one dispatch traces, a divisor of their number. Long dispatches are avoided because
-// llvmpipe limits all loops of a thread to 65535 iterations in total.
+// Returns the number of a sample's rays that one dispatch traces, a divisor of their number. Long dispatches are
+// avoided because llvmpipe limits all loops of a thread to 65535 iterations in total.
 static uint32_t rays_at_once(uint32_t rays) {
   uint32_t some = 4;
   while (rays % some) some--;

@@ -26,8 +26,8 @@ typedef struct vulkan_request {
   const olx_progress *progress;
 } vulkan_request;
 
-// On success the caller frees the image. problem: empty, or an error of the device; the result reports all other
-// errors, with the library's message.
+// Renders an image, which on success the caller frees. `problem` is empty or names an error of the device; the result
+// reports all other errors, with the library's message.
 olx_result vulkan_render(const vulkan_request *request, olx_image *image, olx_render_stats *stats,
                          vulkan_timing *timing, char problem[VULKAN_PROBLEM_BYTES]);
 

@@ -45,7 +45,7 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
           unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
 }
 
-// Whether a folder that only its owner can access can be created there: some file systems do not support this.
+// Returns whether a folder that only its owner can access can be created there: some file systems do not support this.
 static bool can_be_private(const char *folder) {
   struct stat status;
   if (mkdir(folder, 0700) != 0) return false;
@@ -54,7 +54,7 @@ static bool can_be_private(const char *folder) {
   return private;
 }
 
-// Whether a bake uses a work folder: when it is long, or when its folder already exists.
+// Returns whether a bake uses a work folder: when it is long, or when its folder already exists.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
                          const char *folder) {
   olx_bake_sizes sizes;

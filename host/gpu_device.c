@@ -135,8 +135,8 @@ static int rank(VkPhysicalDeviceType type) {
   }
 }
 
-// The first queue family with all requested capabilities, including presentation when there is a surface; UINT32_MAX
-// when there is none.
+// Returns the first queue family with all requested capabilities, including presentation when there is a surface;
+// UINT32_MAX when there is none.
 static uint32_t find_family(const gpu_device *d, VkPhysicalDevice physical, VkQueueFlags wanted,
                             VkQueueFamilyProperties *found) {
   VkQueueFamilyProperties families[MAX_FAMILIES];
@@ -203,7 +203,7 @@ static bool choose_device(gpu_device *d, const gpu_device_options *options) {
   return true;
 }
 
-// Whether the device reports statistics of compiled pipelines.
+// Returns whether the device reports statistics of compiled pipelines.
 static bool has_statistics(const gpu_device *d) {
   enum { MOST = 512 };
   const PFN_vkEnumerateDeviceExtensionProperties list =

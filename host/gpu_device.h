@@ -21,8 +21,8 @@ typedef struct gpu_device_options {
   uint32_t device;                        // index of the device, as gpu_device_list prints it; UINT32_MAX: the best
   const char *const *instance_extensions; // extensions that the window system requires
   uint32_t instance_extension_count;
-  // Creates the window's surface; NULL: no window. The device then has VK_KHR_swapchain, and its queue presents to the
-  // surface.
+  // Creates the window's surface; NULL where there is no window. The device then has VK_KHR_swapchain, and its queue
+  // presents to the surface.
   VkResult (*create_surface)(void *user, PFN_vkGetInstanceProcAddr get, VkInstance instance, VkSurfaceKHR *surface);
   void *user;
 } gpu_device_options;
@@ -62,14 +62,15 @@ void gpu_device_close(gpu_device *device);
 // Prints one line per device to standard output: index, name, driver. Opens no device.
 bool gpu_device_list(gpu_device *device);
 
-// Store a message and return false. The second adds the meaning of Vulkan's result.
+// Both store a message and return false. The second adds the meaning of Vulkan's result.
 bool gpu_fail(gpu_device *device, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool gpu_fail_result(gpu_device *device, VkResult result, const char *what);
 // Returns true for success; otherwise stores the message of gpu_fail_result, or the library's last error.
 bool gpu_check(gpu_device *device, VkResult result, const char *what);
 bool gpu_check_library(gpu_device *device, olx_result result);
 
-// Run commands once: record into device->commands between these calls; the second submits and waits for completion.
+// Commands that run once are recorded into device->commands between these two calls. The second submits them and waits
+// for completion.
 bool gpu_commands_begin(gpu_device *device);
 bool gpu_commands_run(gpu_device *device);
 

@@ -2,7 +2,8 @@
 """Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in a
 tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, and no row is left without its function. A file of
 shaders/lib says in its opening comment of which file of src it is the twin, one with the same stem that names it in
-turn, or that it has no twin. Numbers that shaders/octalux_shared.h repeats of an enumeration of C equal it.
+turn, or that it has no twin. Numbers that shaders/octalux_shared.h repeats of an enumeration of C equal it, and shaders
+of the library and its passes define no constant that C defines as well: such constants are in octalux_shared.h.
 
 Usage: check_parity.py [ROOT]. Prints every violation and exits with 1 when there is one.
 """
@@ -17,6 +18,9 @@ WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
 # A twin: one file, or all files of the folder that has the shader's stem for its name.
 TWIN = re.compile(r"Twin of (src/\w+/(\w+)\.[ch]|src/(\w+)/\*\.c)\b")
 SHARED = re.compile(r"^#define (OLX_\w+) (0x[0-9A-Fa-f]+|\d+)u?\b", re.MULTILINE)
+# Constants of a shader at file level, and macros and constants of a file of C; C's names may begin with olx_.
+SHADER_CONSTANTS = re.compile(r"^const (?:float|u?int|[iu]?vec[234]) ([^;(]*=[^;]*);", re.MULTILINE)
+C_CONSTANT = re.compile(r"^(?:static const \w+|#define) (\w+)(?: = | [-0-9(])", re.MULTILINE)
 NUMBER = re.compile(r"^#define ROW_(\w+) (\d+)$", re.MULTILINE)
 
 
@@ -55,7 +59,7 @@ def enumerators(text):
         for entry in filter(None, (part.strip() for part in body.split(","))):
             name, _, given = (word.strip() for word in entry.partition("="))
             if given:
-                value = int(given) if given.isdigit() else None
+                value = int(given, 0) if re.fullmatch(r"0x[0-9A-Fa-f]+|\d+", given) else None
             elif value is not None:
                 value += 1
             if value is not None:
@@ -72,6 +76,27 @@ def check_enumerations(root):
     for name, value in shared:
         if known.get(name, int(value, 0)) != int(value, 0):
             yield f"octalux_shared.h: {name} is {value}, but {known[name]} in C"
+
+
+def c_constants(root):
+    """The constants of the files of src, without the prefix of public names."""
+    texts = [path.read_text(encoding="utf-8") for path in sorted((root / "src").glob("*/*.[ch]"))]
+    names = {name for text in texts for name in C_CONSTANT.findall(text)}
+    names |= {name for text in texts for name, _ in enumerators(text)}
+    return {name.removeprefix("OLX_") for name in names}
+
+
+def check_constants(root):
+    """Faults of constants that a shader and C both define."""
+    known = c_constants(root)
+    if not known:
+        yield "src: defines no constants"
+    for folder in ("lib", "pass"):
+        for path in sorted((root / "shaders" / folder).iterdir()):
+            for constants in SHADER_CONSTANTS.findall(path.read_text(encoding="utf-8")):
+                for name in re.findall(r"(\w+) =", constants):
+                    if name.removeprefix("OLX_") in known:
+                        yield f"shaders/{folder}/{path.name}: {name} is a constant of C as well, and belongs in octalux_shared.h"
 
 
 def check_twin(root, path):
@@ -99,6 +124,7 @@ def main():
                 faults.append(f"{path.name}: {name} does not begin with olx_, and could clash with a host's names")
     faults += check_rows(root, functions)
     faults += check_enumerations(root)
+    faults += check_constants(root)
     for fault in faults:
         print(fault)
     print(f"{len(functions)} functions, {len(faults)} violations")

@@ -113,9 +113,6 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_LIGHT_RECT 3u
 #define OLX_LIGHT_TRIANGLE 4u
 #define OLX_LIGHT_SKY 5u
-#define OLX_RELIGHT_POINTS 8u
-#define OLX_RELIGHT_BLOCK 4u
-#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu
 #endif
 
 // Bits of olx_gpu_relight_call.flags: the dispatch is the first, or the last, for its places.
@@ -227,7 +224,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_REFLECTANCE_FULL 128.0f
 
 // sight: how far behind a stored surface a place may lie and still count as on it, in footprints of the texel, and the
-// cosine as at which surfels are treated that are seen at flatter angles.
+// least cosine at which a surfel counts as seen; flatter angles are treated like it.
 #define OLX_SIGHT_START 0.5f // at a ray's start
 #define OLX_SIGHT_STUCK 1.0f // where another probe lost a ray
 #define OLX_SIGHT_LEAST_COSINE 0.1f
@@ -258,7 +255,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_NEVER 1.2676506002282294e30f           // 2^100
 #define OLX_PYRAMID_FINEST 2                       // log2 of the texels along a side of a node of level 0
 #define OLX_PYRAMID_STEP 2                         // log2 of the side of a node, in nodes of the level below
-// What a texel tells of a ray: it passes in front, meets the surface, or is behind it, where the probe cannot see.
+// A texel's verdict on a ray: the ray passes in front, meets the surface, or is behind it, where the probe cannot see.
 #define OLX_VERDICT_CLEAR 0
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
@@ -267,9 +264,9 @@ typedef struct olx_gpu_uvec4 {
 // surface from behind where it runs along the normal by more than that.
 #define OLX_STORED_NORMAL_ERROR 0.0111f
 
-// trace. A ray remembers tried probes by their numbers modulo the first, a bit each. That is exact in fields of no more
-// probes; in larger ones a probe may be taken for tried because another was. A prime, so that it does not align with
-// the strides of grids.
+// trace. A ray remembers tried probes by their numbers modulo the first constant, one bit each. That is exact in fields
+// with no more probes; in larger fields a probe may count as tried because another one was. The constant is a prime, so
+// that it does not align with the strides of grids.
 #define OLX_REMEMBERED 127u
 // How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
 // within a texel, and the ray must not slip through the surface that it was about to hit.
@@ -343,6 +340,34 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_LEAST_WEIGHT 1e-6f   // a pixel whose weights sum to less has no value
 #define OLX_LEAST_SHARE 0.01f    // history is not read when less of the four pixels around a point is valid
 
+// lights: a light without area as a field stores it.
+#define OLX_FIELD_LIGHT_WORDS 16u // of olx_field_light
+
+// relight: the structure of chunk RLIT (docs/format.md, "Relighting").
+#define OLX_RELIGHT_POINTS 8u           // of a surfel, at which its direct light is sampled
+#define OLX_RELIGHT_SURFEL_WORDS 27u    // of olx_relight_surfel
+#define OLX_RELIGHT_BLOCK 4u            // texels along a side of a block of sites
+#define OLX_RELIGHT_NO_SITE 0xFFFFFFFFu // of a block that sees the sky alone
+// How far rays start from a texel's surface, as a share of its distance: that distance is a half float with an error of
+// up to half a unit in the last place.
+#define OLX_OFF_SURFACE (1.0f / 1024.0f)
+// The share of its length by which a ray to a light ends early, so that it does not hit the lamp itself.
+#define OLX_END_SHARE 1e-3f
+// Surfels represent surfaces of some size, and their rays some solid angle, so their lobes are widened by this alpha.
+#define OLX_LINK_ALPHA 0.2f
+// The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
+// for the solid angle that they represent.
+#define OLX_MOST_BRIGHT 2.0f
+#define OLX_LIT_SIDE 4u // texels along a side of a block whose samples of lights are stratified together
+#define OLX_SALT_LIGHT 0x524C4954u
+#define OLX_SALT_SURFEL 0x53464C52u
+#define OLX_SALT_TEXEL 0x5445584Cu
+
+// The random numbers of a pixel's rays: the seeds of the lobes' rays branch off the pixel's by these numbers.
+#define OLX_SALT_BRANCH 0x85EBCA6Bu
+#define OLX_DIFFUSE_BRANCH 2u
+#define OLX_GLOSSY_BRANCH 3u
+
 // frames of src/render, and passes: the lower bound of the factor from incident to reflected glossy light, so that
 // dividing by it is safe.
 #define OLX_LEAST_FRESNEL 0.01f
@@ -376,7 +401,7 @@ OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
   olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
-  olx_gpu_float surface_scale; // of where maps of surfaces begin to where others do: less than 1 where they have no border
+  olx_gpu_float surface_scale; // where maps of surfaces begin, relative to others: below 1 when they have no border
   olx_gpu_uint surface_border; // 1, or 0 without
   olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
   olx_gpu_uint planes_first;   // of geometry blocks, in words
@@ -418,7 +443,7 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
 // Push constants of a relighter's passes.
 OLX_GPU_STRUCT(olx_gpu_relight_call) {
   olx_gpu_uint first, count;              // surfels or volume probes; threads that have something to do
-  olx_gpu_uint round, before;             // samples that surfels have: the first `before` of them so many, the others one more
+  olx_gpu_uint round, before;             // the first `before` of the surfels have `round` samples, the others one more
   olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
   olx_gpu_uint flags;                     // OLX_CALL_*
 };

@@ -210,7 +210,8 @@ olx_field *analytic_field_make(const analytic_scene *scene, const olx_grid *grid
   for (uint32_t i = 0; i < count; i++) {
     fill_probe(scene, f, i, radiance, normal, distance);
     const olx_pyramid_base base = olx_pyramid_over_texels(distance + f->texels * i + f->stride + 1, f->stride);
-    olx_pyramid_make(&f->pyramid, &base, least + (size_t)f->pyramid.least_nodes * i, greatest + (size_t)f->pyramid.greatest_nodes * i);
+    olx_pyramid_make(&f->pyramid, &base, least + (size_t)f->pyramid.least_nodes * i,
+                     greatest + (size_t)f->pyramid.greatest_nodes * i);
     fill_irradiance(scene, f, i, irradiance, moments);
   }
   fill_surfaces(scene, f, count);

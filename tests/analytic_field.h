@@ -23,7 +23,7 @@ typedef struct analytic_hit {
 
 analytic_hit analytic_cast(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 
-// Radiance that identifies a place: positive, smooth in position, different on each side of a box.
+// Returns the radiance that identifies a place: positive, smooth in position, different on each side of a box.
 olx_vec3 analytic_radiance(olx_vec3 position, olx_vec3 normal);
 
 // Reflectance from 0.2 to 0.8 that identifies a place.

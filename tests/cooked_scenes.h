@@ -8,8 +8,8 @@
 
 #include <octalux/scene.h>
 
-// Write a description that uses every feature (textures, an environment's image, every kind of light, cameras, all
-// settings of probes, something to warn about) and return its path.
+// Writes a description that uses every feature (textures, an environment's image, every kind of light, cameras, all
+// settings of probes, something to warn about) and returns its path.
 const char *cooked_scenes_everything(const scene_folder *folder);
 
 // The bytes of a cooked file, aligned to 64.
@@ -24,7 +24,7 @@ void cooked_bytes_free(cooked_bytes *file);
 // Correct every checksum whose chunk is inside the file.
 void cooked_bytes_seal(cooked_bytes file);
 
-// Return the bytes of the chunk at `index` of the table, or none where the table points outside the file.
+// Returns the bytes of the chunk at `index` of the table, or none where the table points outside the file.
 cooked_bytes cooked_bytes_chunk(cooked_bytes file, uint32_t index);
 
 #endif

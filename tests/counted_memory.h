@@ -8,7 +8,7 @@
 // Install the hooks; the library must not hold any memory yet.
 void counted_memory_begin(void);
 long counted_memory_held(void);
-// Return the bytes of all blocks requested since the last call, whether or not they are still held.
+// Returns the bytes of all blocks requested since the last call, whether or not they are still held.
 size_t counted_memory_asked(void);
 
 #endif

@@ -101,7 +101,8 @@ void engine_volume_free(engine_volume *volume) {
 
 // ---- The look-up
 
-// A linear filter at a coordinate in texels, whose centres are halfway between whole numbers; clamped to the edge.
+// A linear filter at a coordinate in texels, whose centres are halfway between whole numbers. It is clamped to the
+// edge.
 typedef struct filter {
   uint32_t texels[2];
   float share; // of the second
@@ -165,7 +166,7 @@ static void add_point(lit_points *points, olx_vec3 position, olx_vec3 normal, ol
 
 static float random_number(uint32_t i, uint32_t of) { return olx_unit_float(olx_hash3(i, of, 0x43554245)); }
 
-// A place on a triangle and the triangle's normal, as long as twice its area.
+// Returns a place on a triangle and the triangle's normal, as long as twice its area.
 static olx_vec3 on_triangle(const olx_scene_content *s, uint32_t triangle, float a, float b, olx_vec3 *normal) {
   const uint32_t *i = s->indices + 3 * (size_t)triangle;
   const olx_vec3 p = s->positions[i[0]], u = olx_sub(s->positions[i[1]], p), w = olx_sub(s->positions[i[2]], p);
@@ -199,7 +200,7 @@ static uint32_t find_triangle(const float *sums, uint32_t count, float share) {
   return low;
 }
 
-// Whether a ray from a probe reaches that side of the surface; the light of others is only guessed.
+// Returns whether a ray from a probe reaches that side of the surface; the light of others is only guessed.
 static bool is_seen(const olx_scene *scene, const olx_field *field, olx_vec3 place, olx_vec3 normal) {
   for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     const olx_vec3 from = olx_field_probe_position(field, probe), way = olx_sub(place, from);

@@ -20,7 +20,7 @@ typedef struct engine_volume {
 engine_volume engine_volume_load(const char *path);
 void engine_volume_free(engine_volume *volume);
 
-// What the engine multiplies by albedo at a place in scene coordinates, with an intensity of 1.
+// Returns the light that the engine multiplies by albedo at a place in scene coordinates, with an intensity of 1.
 olx_vec3 engine_light(const engine_volume *volume, olx_vec3 position, olx_vec3 normal);
 
 // Points spread evenly over the sides of a scene's surfaces that probes see, with the irradiance that the field stores
@@ -34,7 +34,7 @@ lit_points lit_surfaces(const olx_scene *scene, const olx_field *field, uint32_t
 lit_points lit_space(const olx_field *field, uint32_t tries);
 void lit_points_free(lit_points *points);
 
-// Relative MSE of the engine's light: sum (a - b)^2 / sum b^2.
+// Returns the relative MSE of the engine's light: sum (a - b)^2 / sum b^2.
 double engine_error(const engine_volume *volume, const lit_points *points);
 
 #endif

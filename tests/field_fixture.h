@@ -24,8 +24,11 @@ static const synthetic_shape classic = {
     .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 8, .irradiance_n = 8, .classic_size = 64};
 static const synthetic_shape relit = {
     .grid = {2, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 8, .relight_surfels = 21};
-static const synthetic_shape third_order = {
-    .grid = {1, 1, 1}, .irradiance_grid = {2, 1, 3}, .n = 16, .irradiance_n = 16, .irradiance_form = OLX_IRRADIANCE_SH3};
+static const synthetic_shape third_order = {.grid = {1, 1, 1},
+                                            .irradiance_grid = {2, 1, 3},
+                                            .n = 16,
+                                            .irradiance_n = 16,
+                                            .irradiance_form = OLX_IRRADIANCE_SH3};
 static const synthetic_shape without_probe_light = {.grid = {3, 2, 2}, .n = 16};
 static const synthetic_shape least = {.grid = {1, 4, 1}, .irradiance_grid = {1, 1, 1}, .n = 8, .irradiance_n = 8};
 
@@ -57,7 +60,7 @@ void *field_chunk(const field_image *i, olx_chunk_kind kind);
 void field_seal(const field_image *i);
 void field_seal_table(const field_image *i);
 
-// Check that the last error's message contains these words.
+// Checks that the last error's message contains these words.
 void assert_says(const char *expected);
 // Check that opening the file, or only verifying it, fails with this result and a message that contains these words.
 void assert_field_refused(const field_image *i, olx_result expected, const char *message);

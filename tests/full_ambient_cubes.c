@@ -52,7 +52,7 @@ static measured measure(const place *p, const olx_cubes_settings *settings, olx_
   return m;
 }
 
-// Mean light of surfaces of the room without a lamp over that of the room with one.
+// Returns the mean light of surfaces of the room without a lamp over that of the room with one.
 static double light_behind_wall(const place *p, const engine_volume *volume) {
   double sums[2] = {0.0, 0.0};
   uint32_t counts[2] = {0, 0};

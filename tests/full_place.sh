@@ -20,8 +20,8 @@ for name in cornell temple sponza white-room kitchen small-house pandora; do
   fi
   sets=() shares=() clearances=()
   for method in sdf medial cover; do
-    # `told` is the least coverage that the report may state, `covered` the least that the check may find. The method
-    # cover reaches 99.9 % (docs/studies/placement.md). The skeletons' methods place one probe for each cluster,
+    # `told` is the least coverage that the report may state, and `covered` the least that the check may find. The
+    # method cover reaches 99.9 % (docs/studies/placement.md). The skeletons' methods place one probe for each cluster,
     # whatever these probes see: nine by sdf in Sponza 78 %, fourteen in pandora 91 %; in other scenes they see 98.6 %
     # and more. The check's ball finds the way out of pandora, to regions that no probe has to see.
     told=0.98

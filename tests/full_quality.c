@@ -136,7 +136,8 @@ static void cornell_is_traced_and_lit_as_it_should(void **state) {
   olx_audit audit;
   assert_int_equal(olx_audit_field(scene, field, &settings, NULL, &audit), OLX_OK);
   print_message("unresolved %.5f, wrong %.5f of the rays whose hit is seen; irradiance: relative MSE %.4f, bias %.4f\n",
-                audit.rays.unresolved_seen, audit.rays.wrong_seen, audit.irradiance.relative_mse, audit.irradiance.bias);
+                audit.rays.unresolved_seen, audit.rays.wrong_seen, audit.irradiance.relative_mse,
+                audit.irradiance.bias);
   assert_true(audit.rays.unresolved_seen <= 0.001);
   assert_true(audit.rays.wrong_seen <= 0.01);
   assert_true(audit.irradiance.relative_mse <= 0.03);

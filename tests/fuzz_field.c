@@ -49,7 +49,12 @@ static const synthetic_shape shapes[SHAPES] = {
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true},
     {.grid = {1, 1, 3}, .irradiance_grid = {1, 1, 1}, .n = 32, .irradiance_n = 8, .compressed = true},
     {.grid = {2, 1, 2}, .n = 16, .select_mask = ALL, .compressed = true, .geometry_blocks = true},
-    {.grid = {1, 1, 2}, .n = 64, .select_mask = ALL, .compressed = true, .geometry_blocks = true, .relight_surfels = 600},
+    {.grid = {1, 1, 2},
+     .n = 64,
+     .select_mask = ALL,
+     .compressed = true,
+     .geometry_blocks = true,
+     .relight_surfels = 600},
 };
 
 typedef struct buffer {

@@ -23,18 +23,18 @@ typedef struct gltf_maker {
   uint32_t view_count, accessor_count;
 } gltf_maker;
 
-// Append to a text, as printf does; whatever exceeds the capacity is cut off.
+// Appends to a text, as printf does; whatever exceeds the capacity is cut off.
 void gltf_append(char *text, size_t capacity, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-// Return the number of a new view. `more` is appended to its object and starts with a comma unless it is empty.
+// Returns the number of a new view. `more` is appended to its object and starts with a comma unless it is empty.
 uint32_t gltf_add_view(gltf_maker *m, const void *data, size_t size_bytes, const char *more);
-// Return the number of a new accessor; `of` comes first in its object and ends with a comma unless it is empty.
+// Returns the number of a new accessor; `of` comes first in its object and ends with a comma unless it is empty.
 uint32_t gltf_add_accessor(gltf_maker *m, const char *of, uint32_t count, int component, const char *type);
-// Return the number of a new accessor of packed elements, in a view of their own.
+// Returns the number of a new accessor of packed elements, in a view of their own.
 uint32_t gltf_add(gltf_maker *m, const void *data, size_t size_bytes, uint32_t count, int component, const char *type,
                   bool normalized);
 
-// Return the number of a new view of bytes that meshoptimizer compressed, by the extension `name`. Its uncompressed
+// Returns the number of a new view of bytes that meshoptimizer compressed, by the extension `name`. Its uncompressed
 // form would be in the fallback buffer. `mode` is JSON: "\"mode\": \"TRIANGLES\"".
 uint32_t gltf_add_compressed(gltf_maker *m, const char *name, const uint8_t *code, size_t size_bytes, uint32_t count,
                              uint32_t stride, const char *mode);
@@ -44,12 +44,12 @@ void gltf_add_vertices(gltf_maker *m, const char *name, const void *vertices, ui
                        const char *of, int component);
 void gltf_add_indices(gltf_maker *m, const char *name, bool triangles);
 
-// Return the text of the whole file, to be freed: one mesh of `primitive` (JSON, perhaps several), nodes, and a second
+// Returns the text of the whole file, to be freed: one mesh of `primitive` (JSON, perhaps several), nodes, and a second
 // buffer that is a meshopt fallback. `more` is appended to the root object and starts with a comma unless it is empty.
 // The buffer of a `binary` text is the binary chunk of the .glb around it.
 char *gltf_maker_text(const gltf_maker *m, const char *primitive, const char *nodes, const char *more, bool binary);
 
-// Make a .glb of a text and the bytes of its buffer, in *data, to be freed; return its size.
+// Makes a .glb of a text and the bytes of its buffer, in *data, to be freed; returns its size.
 size_t gltf_make_glb(const char *text, size_t text_bytes, const uint8_t *bytes, size_t size_bytes, uint8_t **data);
 
 #endif

@@ -31,7 +31,8 @@ olx_surface look_at_square(const olx_scene *scene, float x, float y);
 
 // Adds accessors of the square's positions, normals, coordinates and indices; returns the index of the first.
 uint32_t add_square(gltf_maker *m);
-// Returns a primitive of accessors 0 to 3 and material 0 with further attributes, in a buffer that the next call reuses.
+// Returns a primitive of accessors 0 to 3 and material 0 with further attributes, in a buffer that the next call
+// reuses.
 const char *square_with(const char *attributes);
 
 // Members of a reference to a texture that transform its coordinates.

@@ -50,6 +50,6 @@ typedef struct field_counts {
   uint64_t opened, verified, refused[16], calls;
 } field_counts;
 
-// Open the bytes of a file (aligned to 64) and, when that succeeds, use the field. A broken promise is reported and
+// Opens the bytes of a file (aligned to 64) and, when that succeeds, uses the field. A broken promise is reported and
 // ends in abort().
 void hostile_field_use(dice *d, const void *bytes, size_t size_bytes, field_counts *counts);

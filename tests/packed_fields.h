@@ -16,12 +16,12 @@ typedef struct packed_image {
   olx_file_chunk *field_chunks;
 } packed_image;
 
-// Load a packed field, with room for `room_bytes` more behind the file.
+// Loads a packed field, with room for `room_bytes` more behind the file.
 packed_image packed_image_load(const char *path, size_t room_bytes);
-// Make every checksum of the packed file right again, and those of the field's header and table; entries that point
+// Makes every checksum of the packed file right again, and those of the field's header and table; entries that point
 // outside the file are not changed.
 void packed_image_seal(const packed_image *i);
-// Return the first word of the blocks of chunk `index` of the field: 4 bytes that need not be aligned.
+// Returns the first word of the blocks of chunk `index` of the field: 4 bytes that need not be aligned.
 unsigned char *packed_image_words(const packed_image *i, uint32_t index);
 
 #endif

@@ -128,7 +128,7 @@ typedef struct parity_suite {
 
 #define PARITY_COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-// Compare all rows in one test for each room; return the result for main.
+// Compares all rows in one test for each room; returns the result for main.
 int parity_run(const parity_suite *suite);
 
 static inline olx_vec2 random_2(const parity_state *s) { return (olx_vec2){s->random[0], s->random[1]}; }

@@ -10,7 +10,8 @@ void classic_rows() {
   olx_classic_weights weights;
   switch (row) {
   case ROW_olx_classic_color:
-    put(olx_classic_color(olx_classic[OLX_CLASSIC_IRRADIANCE] + (size + 2u) * (size + 2u) * irradiance_probe, size, random.xy));
+    put(olx_classic_color(olx_classic[OLX_CLASSIC_IRRADIANCE] + (size + 2u) * (size + 2u) * irradiance_probe, size,
+                          random.xy));
     break;
   case ROW_olx_classic_vector: put(olx_classic_vector(olx_classic[OLX_CLASSIC_BOXES] + 6u * irradiance_probe)); break;
   case ROW_olx_classic_parallax: put(olx_classic_parallax(irradiance_probe, point, direction)); break;

@@ -33,8 +33,8 @@ void put_incident(olx_incident i) { put(i.light), put(i.inverse_distance); }
 // Returns a hit that may be on an emitter, from its front or its back, or on the sky.
 olx_trace_hit some_hit() {
   float distance = (bits.x & 4u) != 0u ? OLX_INFINITY : item.v[15];
-  return olx_trace_hit(bits.x % 3u, distance, point + direction * item.v[15], view, direction, vec3(0.0), view, true, 0u,
-                       ivec2(0), 2.0 * random.x, 1u, 1u);
+  return olx_trace_hit(bits.x % 3u, distance, point + direction * item.v[15], view, direction, vec3(0.0), view, true,
+                       0u, ivec2(0), 2.0 * random.x, 1u, 1u);
 }
 
 void denoise_rows() {

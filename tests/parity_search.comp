@@ -50,7 +50,9 @@ void search_rows() {
     for (uint i = 0u; i < 4u; i++) olx_remember(search, bits[i] & 127u);
     put(olx_was_asked(search, bits.x >> 8 & 127u)), put(olx_was_asked(search, bits.x & 127u));
     break;
-  case ROW_olx_remember: olx_remember(search, bits.x), put(search.attempts), put(search.asked.xyz), put(search.asked.w); break;
+  case ROW_olx_remember:
+    olx_remember(search, bits.x), put(search.attempts), put(search.asked.xyz), put(search.asked.w);
+    break;
   case ROW_olx_ray_point: put(olx_ray_point(search, random.x)); break;
   case ROW_olx_line_distance_squared: put(olx_line_distance_squared(search, probe)); break;
   case ROW_olx_sees: put(olx_sees(search, probe)); break;

@@ -6,22 +6,23 @@
 
 #include <octalux/place.h>
 
-// Return settings that take a fraction of a second.
+// Returns settings that take a fraction of a second.
 olx_place_settings quick_settings(const olx_scene *scene, olx_place_method method);
 // Return quick settings with a quarter of the surfels, for tests in which it does not matter what probes see.
 olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method method);
 olx_probe_set place(const olx_scene *scene, const olx_place_settings *settings);
 olx_scene *load(const char *name);
 uint32_t matte(olx_scene *scene);
-// Start a room of 4 m x 2 m x 4 m around the origin, to be finished.
+// Starts a room of 4 m x 2 m x 4 m around the origin, to be finished.
 olx_scene *start_room(void);
-// Start such a room of 4 m x 2 m x 4 m, divided by a wall from floor to ceiling at x = 0 that leaves a gap at one side.
+// Starts a room of 4 m x 2 m x 4 m around the origin that is divided by a wall from floor to ceiling at x = 0 that
+// leaves a gap at one side.
 olx_scene *start_divided_room(void);
-// Load the divided room, finished, with rules: two pinned probes, a forbidden box, a playable box, 0.4 m of distance.
+// Loads the divided room, finished, with rules: two pinned probes, a forbidden box, a playable box, 0.4 m of distance.
 olx_scene *load_ruled_room(void);
-// Check that the pinned probes come first, and that every other probe obeys the rules.
+// Checks that the pinned probes come first, and that every other probe obeys the rules.
 void expect_rules_kept(const olx_scene *scene, const olx_probe_set *set);
-// Check that no probe is inside the pillar at the centre of builtin:pillars.
+// Checks that no probe is inside the pillar at the centre of builtin:pillars.
 void expect_outside_the_centre_pillar(const olx_probe_set *set);
 // Return whether positions, origins, gains and coverage are the same, to the last bit.
 bool same_probes(const olx_probe_set *a, const olx_probe_set *b);

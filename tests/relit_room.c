@@ -44,7 +44,7 @@ static olx_vec3 glossy_light(const olx_field *lit, const host_pixel *p, uint32_t
              floorf(p->color.z * 255.0f + 0.5f) / 255.0f);
   const olx_bsdf bsdf = olx_bsdf_make(color, metallic, p->roughness, w);
   float weight, half_cosine;
-  const olx_vec2 random = olx_stratified2(0, olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u));
+  const olx_vec2 random = olx_stratified2(0, olx_hash2(olx_hash2(x, y), OLX_SALT_BRANCH + OLX_GLOSSY_BRANCH));
   const olx_vec3 radiance =
       olx_glossy(lit, &sample, p->position, p->normal, p->view, p->roughness, random, &weight, &half_cosine, NULL);
   return weight > 0.0f ? olx_scale(olx_mul(olx_fresnel(&bsdf, half_cosine), radiance), weight) : olx_splat(0.0f);

@@ -28,7 +28,7 @@ class Model:
                     file.write("f %d %d %d %d\n" % (count + 1, count + 2, count + 3, count + 4))
                     count += 4
 
-    # Adds a box whose faces look outwards, without the faces that `without` names.
+    # Adds a box whose faces are seen from outside, without the faces that `without` names.
     def box(self, material, low, high, without=""):
         (a, b, c), (x, y, z) = low, high
         faces = {"-x": ((a, b, c), (a, b, z), (a, y, z), (a, y, c)), "+x": ((x, b, z), (x, b, c), (x, y, c), (x, y, z)),

@@ -3,7 +3,7 @@
 
 #include <octalux/scene.h>
 
-// Check that numbers are valid, indices in range, and that rays hit the scene's triangles. A violation is reported and
+// Checks that numbers are valid, indices in range, and that rays hit the scene's triangles. A violation is reported and
 // ends in abort().
 void sound_scene_check(const olx_scene *scene);
 // Report `what` and abort, unless `holds`.

@@ -146,7 +146,8 @@ static olx_result write_blocks(olx_field_writer *writer, uint32_t probe, const u
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
                                         synthetic_surfaces_room *room) {
   for (uint32_t i = 0; i < n * n; i++) {
-    const float a = olx_unit_float(olx_hash3(i, n, probe ^ 0x1000u)), b = olx_unit_float(olx_hash3(i, n, probe ^ 0x2000u));
+    const float a = olx_unit_float(olx_hash3(i, n, probe ^ 0x1000u)),
+                b = olx_unit_float(olx_hash3(i, n, probe ^ 0x2000u));
     const bool sky = distance[i] == 0x7C00, emits = distance[i] >= 0x7C00 && (probe % 2 == 0 || i >= n * n / 4 * 3);
     const olx_texel_material_codes material = olx_material_pack(olx_v3(a, b, a * b), b, a > 0.5f, a);
     room->base[i] = sky ? 0 : material.base;

@@ -25,7 +25,7 @@ void synthetic_header_release(olx_field_header *header);
 
 uint8_t synthetic_flags(uint32_t probe);
 
-// Make the maps of a probe, without border. The distances contain sky, emitters and a texel at distance 0; those of
+// Makes the maps of a probe, without border. The distances contain sky, emitters and a texel at distance 0; those of
 // every fourth probe also a block of nothing but sky, texels (8, 4) to (11, 7).
 void synthetic_light_maps(uint32_t n, uint32_t probe, uint32_t *radiance, uint16_t *normal, uint16_t *distance);
 // The texels of a probe's maps, in the form that the encoder of geometry blocks takes.
@@ -40,26 +40,27 @@ typedef struct synthetic_surfaces_room {
   uint32_t base[256 * 256], direct[256 * 256], indirect[256 * 256], emission[256 * 256];
   uint16_t specular[256 * 256];
 } synthetic_surfaces_room;
-// Return the blocks of such surfaces, to be freed; maps point to them from then on.
+// Returns the blocks of such surfaces, to be freed; maps point to them from then on.
 olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps);
-// Make the surfaces for these distances, which point into `room`. Odd probes emit in their last quarter alone.
-olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room);
+// Makes the surfaces for these distances, which point into `room`. Odd probes emit in their last quarter alone.
+olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
+                                        synthetic_surfaces_room *room);
 // A sun, a lamp and a spotlight.
 enum { SYNTHETIC_LIGHTS = 3 };
 extern const olx_field_light synthetic_lights[SYNTHETIC_LIGHTS];
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments);
 
-// Make the irradiance of a probe as harmonics, which ring, in place of a map.
+// Makes the irradiance of a probe as harmonics, which ring, in place of a map.
 void synthetic_harmonics(olx_irradiance_form form, uint32_t probe, uint16_t halves[OLX_HARMONICS_MOST_HALVES]);
 
 // Room for the largest classic maps of a probe.
 typedef struct synthetic_classic {
   uint32_t irradiance[64 * 64], radiance[OLX_CLASSIC_LEVELS][64 * 64];
 } synthetic_classic;
-// Make classic maps of at most 64 x 64 texels, which point into `maps`.
+// Makes classic maps of at most 64 x 64 texels, which point into `maps`.
 olx_classic_record synthetic_classic_maps(uint32_t size, uint32_t probe, olx_vec3 position, synthetic_classic *maps);
 
-// Make the relighting data of a field of that shape without a volume: a valid structure (field/relight_data.h) with
+// Makes the relighting data of a field of that shape without a volume: a valid structure (field/relight_data.h) with
 // meaningless numbers. Give it to olx_release; NULL: out of memory.
 void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes);
 
@@ -67,7 +68,7 @@ void *synthetic_relight(const synthetic_shape *shape, size_t *size_bytes);
 olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shape *shape);
 olx_result synthetic_write(const char *path, const synthetic_shape *shape, uint64_t *file_bytes);
 
-// Read the bytes of a whole file, 64-byte aligned, to be given to olx_release; NULL when it cannot be read.
+// Reads the bytes of a whole file, 64-byte aligned, to be given to olx_release; NULL when it cannot be read.
 unsigned char *synthetic_read_file(const char *path, size_t *size_bytes);
 
 #endif

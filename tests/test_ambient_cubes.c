@@ -79,7 +79,7 @@ static void cut(one_cell *c, float x) {
   c->index = OLX_VOLUME_SPLIT;
 }
 
-// The field, were its volume this one.
+// Returns the field with this cell as its volume.
 static olx_field field_of_cell(const rooms *r, const one_cell *c) {
   olx_field field = *r->field;
   field.volume = (olx_volume){.header = &c->header,
@@ -196,7 +196,7 @@ static void the_transform_covers_the_scene(void **state) {
   }
 }
 
-// On surfaces that the fit was not given, and for objects in the air.
+// Compares light on surfaces that the fit was not given, and for objects in the air.
 static void fitted_voxels_are_nearer_to_surfaces(void **state) {
   const rooms *r = *state;
   lit_points surfaces = lit_surfaces(r->scene, r->field, PLACES), space = lit_space(r->field, PLACES);

@@ -128,7 +128,8 @@ static void test_listed_probes_see_their_cell(void **state) {
   olx_scene_free(scene);
 }
 
-// At least one probe of a point's list sees the very point, and nearly always the nearest probe that sees it is listed.
+// At least one probe of a point's list sees the point itself, and nearly always the nearest probe that sees it is
+// listed.
 static void test_what_is_seen_lists_who_sees_it(void **state) {
   (void)state;
   olx_scene *scene = room(true);

@@ -1,5 +1,5 @@
 # octalux export as a user types it: exported maps agree with the field in every projection, and the exported model is
-# valid and stands where the probes are.
+# valid and is where the probes are.
 source "$(dirname "$0")/cli/expect.sh"
 read_export=$OCTALUX_SOURCE_DIR/tests/read_export.py
 check() { python3 "$read_export" "$@" >stdout.txt 2>stderr.txt || fail "read_export.py $*"; }
@@ -84,7 +84,7 @@ grep -q "^all.gltf: 8 light field probes, 27 irradiance probes, .* bricks whole 
 "$OCTALUX" export gltf all.olx -o - 2>stderr.txt | cmp - all.gltf || fail "standard output is another model"
 expect_json 'o["triangles"] >= 8 * (8 + 27)' scene all.gltf # our own importer reads the model, including its octahedra
 
-# Irradiance volumes: the sizes that are asked for, the transform in scene coordinates, the same bytes by every way.
+# Irradiance volumes: the sizes that are requested, the transform in scene coordinates, the same bytes in every way.
 expect_json "o['size'] == [32, 32, 32] and o['written_error'] <= 0.5 * o['captured_error']" export ktx2 all.olx -o all.ktx2
 expect_json "o['size'] == [3, 4, 5] and o['file_bytes'] > 4 * 6 * 60" export ktx2 all.olx -o b.ktx2 --size 3x4x5
 expect_json "o['size'] == [6, 6, 6] and abs(o['scale'][1] - 0.6) < 1e-6" export ktx2 all.olx -o b.ktx2 --spacing 0.1
@@ -100,8 +100,8 @@ cmp -s all.ktx2 b.ktx2 || fail "one thread writes another volume"
 "$OCTALUX" export ktx2 all.olx -o b.ktx2 --zstd >stdout.txt 2>stderr.txt
 [ "$(stat -c %s b.ktx2)" -lt "$(stat -c %s all.ktx2)" ] || fail "--zstd makes no smaller file"
 
-# Pages: with the program's own page beside it the scene, the field and the page are written; a program that stands
-# alone says what is missing.
+# Pages: with the program's own page beside it the scene, the field and the page are written; a program without the page
+# beside it says what is missing.
 mkdir alone
 cp "$OCTALUX" alone/octalux
 if alone/octalux export web builtin:cornell --field plain.olx -o room >stdout.txt 2>stderr.txt; then fail "a page without a page"; fi

@@ -1,8 +1,8 @@
 # Selectors find no worse answers than a search of all probes that see the point: of 20000 rays they leave at most 0.4 %
 # more unresolved and get at most 0.4 % more wrong. Bricks achieve this everywhere. Wang's two selectors do not check
 # whether the probe that they name sees the point, and with maps as coarse as here a probe that does not see it often
-# answers all the same. So among the temple's pillars voronoi, which goes by nearness alone, gets 2.0 % more wrong, and
-# octree, whose four choices are for a whole leaf, 1.3 %.
+# gives an answer nevertheless. So among the temple's pillars voronoi, which considers nearness alone, gets 2.0 % more
+# wrong, and octree, whose four choices are for a whole leaf, 1.3 % more.
 source "$(dirname "$0")/cli/expect.sh"
 
 check_selectors() {

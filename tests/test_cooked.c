@@ -1,4 +1,4 @@
-// Tests that cooked scenes come back to the last bit, and that files that are no cooked scenes are refused with a
+// Tests that cooked scenes come back to the last bit, and that files that are not cooked scenes are refused with a
 // message.
 #include "cooked_scenes.h"
 #include "core/hooks.h"

@@ -66,7 +66,8 @@ static const olx_history *accumulate(light_buffers *light, const olx_lobe_filter
 
 static void filter_light(light_buffers *light, const olx_lobe_filter *filter, olx_lobe lobe, const view *v) {
   const olx_history *history = &light->history[(light->frame & 1) ^ 1];
-  ASSERT_OK(olx_denoise_filter(filter, lobe, &v->guide, history, &light->history[light->frame & 1], light->filtered, 2));
+  ASSERT_OK(
+      olx_denoise_filter(filter, lobe, &v->guide, history, &light->history[light->frame & 1], light->filtered, 2));
 }
 
 static uint32_t at(uint32_t x, uint32_t y) { return x + SIZE * y; }
@@ -221,7 +222,7 @@ static void test_a_surface_seen_in_its_place_is_still(void **state) {
 static void test_what_comes_into_sight_starts_anew(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
-  // A post stands before the wall; when the eye moves, the post hides other pixels of the wall.
+  // A post is in front of the wall; when the eye moves, the post hides other pixels of the wall.
   view *before = make_wall(0, 4), *now = make_wall(0.2f, 4);
   for (uint32_t y = 0; y < SIZE; y++) {
     for (uint32_t x = 0; x < SIZE; x++) {

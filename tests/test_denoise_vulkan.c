@@ -168,6 +168,11 @@ static olx_incident sample_glossy(const olx_field *field, const host_pixel *p, o
   return (olx_incident){olx_v3(light.x / f.x, light.y / f.y, light.z / f.z), olx_nearness(&hit)};
 }
 
+// Returns the random numbers of a pixel's ray through one lobe.
+static olx_vec2 random_of(uint32_t seed, uint32_t branch, uint32_t frame) {
+  return olx_stratified2(frame, olx_hash2(seed, OLX_SALT_BRANCH + branch));
+}
+
 static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view *v, uint32_t frame) {
   for (uint32_t i = 0; i < FULL; i++) {
     c->depth[i] = INFINITY;
@@ -181,8 +186,8 @@ static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view
     c->normal[at] = p.normal;
     c->roughness[at] = p.roughness;
     const uint32_t seed = olx_hash2(x, y);
-    c->samples[0][at] = sample_diffuse(field, &p, olx_stratified2(frame, olx_hash2(seed, 0x85EBCA6Bu + 2u)));
-    c->samples[1][at] = sample_glossy(field, &p, olx_stratified2(frame, olx_hash2(seed, 0x85EBCA6Bu + 3u)));
+    c->samples[0][at] = sample_diffuse(field, &p, random_of(seed, OLX_DIFFUSE_BRANCH, frame));
+    c->samples[1][at] = sample_glossy(field, &p, random_of(seed, OLX_GLOSSY_BRANCH, frame));
   }
   c->guide = (olx_guide){
       .width = FULL_WIDTH, .height = FULL_HEIGHT, .depth = c->depth, .normal = c->normal, .roughness = c->roughness};

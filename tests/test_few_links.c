@@ -20,7 +20,9 @@ static olx_link_list begin(uint32_t surfels) {
   return list;
 }
 
-static bool near(double value, double expected, double share) { return fabs(value - expected) <= share * fabs(expected); }
+static bool near(double value, double expected, double share) {
+  return fabs(value - expected) <= share * fabs(expected);
+}
 
 static bool near3(olx_vec3 value, olx_vec3 expected, double share) {
   return near((double)value.x, (double)expected.x, share) && near((double)value.y, (double)expected.y, share) &&
@@ -40,7 +42,8 @@ static void links_to_a_surfel_are_summed(void **state) {
   (void)state;
   olx_link_list list = begin(10);
   const olx_vec3 x = {1.0f, 0.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f}, blue = {0.0f, 0.25f, 1.0f}, red = {0.5f, 0.125f, 0.0f};
-  const olx_few_link links[] = {{7, blue, x, 0.25f}, {9, red, z, 0.0f}, {7, red, z, 0.125f}, {0, blue, z, 0.5f}, {9, red, x, 0.0f}};
+  const olx_few_link links[] = {
+      {7, blue, x, 0.25f}, {9, red, z, 0.0f}, {7, red, z, 0.125f}, {0, blue, z, 0.5f}, {9, red, x, 0.0f}};
   for (uint32_t i = 0; i < 5; i++) olx_link_list_add(&list, &links[i]);
   olx_few_link found[10];
   assert_int_equal(olx_link_list_take(&list, 10, 0.5f, found), 3);
@@ -181,7 +184,8 @@ static void equal_links_are_drawn_in_turn(void **state) {
   olx_link_list list = begin(SURFELS);
   uint32_t times[12] = {0};
   for (uint32_t k = 0; k < 12; k++) {
-    for (uint32_t i = 0; i < 12; i++) olx_link_list_add(&list, &(olx_few_link){.from = i, .weight = {0.5f, 0.5f, 0.5f}});
+    for (uint32_t i = 0; i < 12; i++)
+      olx_link_list_add(&list, &(olx_few_link){.from = i, .weight = {0.5f, 0.5f, 0.5f}});
     olx_few_link drawn[12];
     assert_int_equal(olx_link_list_take(&list, 4, ((float)k + 0.5f) / 12.0f, drawn), 4);
     for (uint32_t i = 0; i < 4; i++) {

@@ -330,7 +330,7 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk RADI");
   olx_release(i.bytes);
-  // The description denies irradiance probes that the file has.
+  // The description says that there are no irradiance probes, although the file has some.
   i = field_image_load(*state, &least);
   i.info->irradiance_probe_count = i.info->irradiance_size = 0;
   i.info->irradiance_grid = (olx_file_grid){.count = {0}};

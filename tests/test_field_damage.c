@@ -140,7 +140,7 @@ static void test_refuses_a_wrong_chunk_table(void **state) {
   REFUSED(OLX_ERROR_CHECKSUM, "chunk INFO: wrong checksum");
   i.chunks[OLX_CHUNK_INFO].size_bytes = 129;
   REFUSED(OLX_ERROR_FORMAT, "chunk INFO: 129 bytes, not 160");
-  // The last chunk's padding would end behind the file, which is cut inside it.
+  // The last chunk's padding would end after the end of the file, which is cut within the padding.
   i.chunks[TILES].size_bytes -= 40;
   i.header->file_bytes -= 32;
   i.size_bytes -= 32;
@@ -585,7 +585,8 @@ static void test_emission_stays_inside(void **state) {
   olx_release(i.bytes);
 }
 
-// Rounding a mean up and a second moment down to half floats is no error: every mean with its own square is accepted.
+// Rounding a mean up and a second moment down to half floats is not an error: every mean with its own square is
+// accepted.
 static void test_rounded_moments_are_possible(void **state) {
   const field_image i = field_image_load(*state, &least);
   uint32_t *moments = field_chunk(&i, OLX_CHUNK_MOMENTS);

@@ -96,7 +96,8 @@ static void assert_blocks(const olx_field *field, uint32_t probe, const olx_surf
   assert_true(!s->base && !s->specular && !s->direct && !s->indirect);
 }
 
-static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16_t *distance, synthetic_surfaces_room *room) {
+static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16_t *distance,
+                            synthetic_surfaces_room *room) {
   const olx_field_surfaces *s = &field->surfaces;
   const uint32_t n = field->n;
   olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
@@ -146,7 +147,8 @@ static void assert_geometry(const olx_field *field, uint32_t probe, const synthe
   }
 }
 
-static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe, const uint32_t *map) {
+static void assert_irradiance(const olx_field *field, const synthetic_shape *shape, uint32_t probe,
+                              const uint32_t *map) {
   const olx_irradiance_form form = shape->irradiance_form;
   assert_int_equal(field->info.irradiance.form, form);
   if (form == OLX_IRRADIANCE_OCTAHEDRAL) {

@@ -10,8 +10,8 @@
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
 static const olx_grid grid = {.origin = {-0.4f, -0.4f, -0.4f}, .spacing = {0.8f, 0.8f, 0.8f}, .count = {2, 2, 2}};
 
-// The packed formats hold these numbers exactly. No two of them give the same light, so that the test can tell which
-// one was used.
+// The packed formats hold these numbers exactly. No two of them give the same light, so that the test can determine
+// which one was used.
 static const float field_radiance = 2.0f, field_irradiance = 6.25f, field_stored = 5.5f;
 static const float field_albedo = (128.0f / 255.0f) * (128.0f / 255.0f), field_emission = 4.0f;
 

@@ -24,7 +24,7 @@ static void test_writer_refuses_what_readers_would(void **state) {
   REFUSED(probes.grid.spacing.x = 2.0f, "light field probe 1 stands at");
   REFUSED(probes.has_grid = false, "needs light field probes on a grid");
 #undef REFUSED
-#define REFUSED_LIGHT(change, message)                                                                                  \
+#define REFUSED_LIGHT(change, message)                                                                                 \
   do {                                                                                                                 \
     olx_field_light light = synthetic_lights[2];                                                                       \
     light.change;                                                                                                      \

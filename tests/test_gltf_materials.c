@@ -116,7 +116,7 @@ static void assert_not_warned(const olx_scene *scene, const char *part) {
   }
 }
 
-// A square whose material "dull" has KHR_materials_specular with these members. Texture 0 has four colours.
+// Returns a square whose material "dull" has KHR_materials_specular with these members. Texture 0 has four colours.
 static olx_scene *load_specular(const scene_folder *folder, const char *surface, const char *members) {
   gltf_maker m = {0};
   char more[1024];
@@ -155,8 +155,8 @@ static void specular_colours_count_by_their_luminance(void **state) {
   }
 }
 
-// The specular weights, roughness and metalness in the middles of the texels: upper left, upper right, lower left,
-// lower right.
+// Finds the specular weights, roughness and metalness in the middles of the texels: upper left, upper right, lower
+// left, lower right.
 static void assert_surfaces(const olx_scene *scene, const float weights[4], const float roughness[4],
                             const float metallic[4]) {
   for (int i = 0; i < 4; ++i) {

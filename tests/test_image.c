@@ -22,7 +22,7 @@
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
-// Not within push and pop, since it is reported at the end of the file.
+// The pragma is not within push and pop, since the warning is reported at the end of the file.
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"

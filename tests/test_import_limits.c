@@ -320,7 +320,7 @@ static void test_damaged_radiance(void **state) {
   (void)state;
 }
 
-// Materials with the same masked texture share what is kept of its alpha.
+// Materials with the same masked texture share the texture that keeps its alpha.
 static void test_masks(void **state) {
   uint8_t tga[34];
   scene_folder_write(*state, "t.tga", tga, scene_files_tga(tga));

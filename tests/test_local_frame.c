@@ -102,7 +102,7 @@ static void a_room_far_away_is_lit_as_at_the_origin(void **state) {
   olx_scene_free(there);
 }
 
-// A position that is no multiple of the step is kept to the precision of doubles, some 2e-9 m here, not of floats.
+// A position that is not a multiple of the step is kept to the precision of doubles, some 2e-9 m here, not of floats.
 static void any_place_is_kept_in_double_precision(void **state) {
   const double x = 9876543.21, y = -1234567.89, z = 55555.5;
   olx_scene *here = moved_room(*state, 0, 0, 0), *there = moved_room(*state, x, y, z);

@@ -412,7 +412,8 @@ static void test_shared_exponent_round_trip(void **state) {
   for (uint32_t i = 0; i < 1000000; i++) {
     const uint32_t random = olx_hash(i), exponent = i % 32;
     // One mantissa has its highest bit set, as packing makes it; with exponent 0 none needs it.
-    const uint32_t first = (random & 0x1FFu) | (exponent ? 0x100u : 0u), g = random >> 9 & 0x1FFu, b = random >> 18 & 0x1FFu;
+    const uint32_t first = (random & 0x1FFu) | (exponent ? 0x100u : 0u), g = random >> 9 & 0x1FFu,
+                   b = random >> 18 & 0x1FFu;
     const uint32_t packed = first | g << 9 | b << 18 | exponent << 27;
     const olx_vec3 c = olx_rgb9e5_unpack(packed);
     assert_true((double)c.x == shared_value(first, exponent) && (double)c.y == shared_value(g, exponent) &&

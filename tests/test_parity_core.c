@@ -128,8 +128,8 @@ ROW(cage_weight, const olx_cage cage = olx_cage_at(&s->source.grid, s->point);
 ROW(select_available, put_u(r, olx_select_available(s->field, (olx_select)(s->bits[0] % 5u)));)
 ROW(select_resolve, put_u(r, olx_select_resolve(s->field, (olx_select)(s->bits[0] % 6u)));)
 ROW(sample_settings_default, const olx_sample_settings d = olx_sample_settings_default(); put_u(r, d.tracer);
-    put_u(r, OLX_SELECT_BRICKS); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried); put_u(r, d.emitters);
-    put_u(r, d.hits); put_f(r, d.surface_tolerance);)
+    put_u(r, OLX_SELECT_BRICKS); put_u(r, d.visibility); put_u(r, d.max_probes); put_u(r, d.keep_buried);
+    put_u(r, d.emitters); put_u(r, d.hits); put_f(r, d.surface_tolerance);)
 ROW(probe_code_bytes, put_u(r, olx_probe_code_bytes(s->bits[0] % 512u));)
 ROW(probe_code, const uint32_t count = s->field->info.probes.count;
     put_u(r, has_voronoi(s) ? olx_probe_code(olx_voronoi_codes(s->field), olx_probe_code_bytes(count),

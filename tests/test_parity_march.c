@@ -93,7 +93,8 @@ static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
     olx_march m = e->march;
     if (f->geometry && reaches_plane(&m, *c, t1, stored)) return true;
     *stored = olx_texel_distance(f, e->march.probe, olx_map_index(f->stride, c->x, c->y));
-    if (!f->geometry && olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY) return true;
+    if (!f->geometry && olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY)
+      return true;
     if (s1 >= 1.0f) return false;
     *c = olx_next_cell(&e->piece, *c, s, t1);
   }
@@ -148,9 +149,12 @@ MARCH_ROW(read_block, if (!s->field->geometry) return; for (uint32_t k = 0; k < 
     for (uint32_t k = 0; k < 4; k++) put_u(r, e->march.block->words[k]); put_u(r, e->march.steps);)
 MARCH_ROW(octahedral_depth, put_f(r, olx_octahedral_depth(&e->march, &e->piece, s->random[0]));)
 MARCH_ROW(plane_clears, const olx_vec3 d = s->direction;
-    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(d, s->random[2])), s->random[0], s->random[0] + s->random[1]));
-    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(olx_v3(d.z, d.x, d.y), s->random[2])), s->random[0], INFINITY));)
-MARCH_ROW(block_clears, if (!s->field->geometry) return; olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(d, s->random[2])), s->random[0],
+                              s->random[0] + s->random[1]));
+    put_u(r, olx_plane_clears(olx_plane_along(&e->ray, olx_scale(olx_v3(d.z, d.x, d.y), s->random[2])), s->random[0],
+                              INFINITY));)
+MARCH_ROW(block_clears, if (!s->field->geometry) return;
+    olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
     put_u(r, olx_block_clears(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
 MARCH_ROW(reaches_plane, if (!s->field->geometry) return; float stored;
     const bool reached = reaches_plane(&e->march, e->cell, cell_exit(e), &stored); put_u(r, reached);

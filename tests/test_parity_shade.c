@@ -114,8 +114,8 @@ SHADE_ROW(glossy_draw, float weight; float half_cosine; olx_vec3 drawn;
     put_u(r, olx_glossy_draw(s->direction, s->view, s->random[2], random_2(s), &drawn, &weight, &half_cosine));
     put_f(r, weight); put_f(r, half_cosine); if (weight > 0.0f) put_3(r, drawn);)
 SHADE_ROW(glossy, float weight; float half_cosine; olx_trace_hit hit;
-    const olx_vec3 light = olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2], random_2(s),
-                                      &weight, &half_cosine, &hit);
+    const olx_vec3 light = olx_glossy(s->field, &s->settings, s->point, s->direction, s->view, s->random[2],
+                                      random_2(s), &weight, &half_cosine, &hit);
     put_3(r, light);
     put_f(r, weight); put_f(r, half_cosine); put_u(r, hit.status); put_u(r, hit.probe); put_f(r, hit.distance_metres);)
 #define DENOISE_ROW(name, ...)                                                                                         \

@@ -21,7 +21,8 @@ static void derive_surface(parity_state *s, surface_state *e) {
   e->p = (olx_surface_point){.position = s->point, .geometric_normal = s->direction, .view = s->view};
   if ((s->bits[3] & 7u) != 0 && distance < INFINITY) {
     const float size = 0.2f * distance / (float)s->field->n;
-    const olx_vec3 aside = olx_v3((s->random[0] - 0.5f) * size, (s->random[1] - 0.5f) * size, (s->random[2] - 0.5f) * size);
+    const olx_vec3 aside =
+        olx_v3((s->random[0] - 0.5f) * size, (s->random[1] - 0.5f) * size, (s->random[2] - 0.5f) * size);
     const olx_vec3 centre = olx_texel_direction(s->x, s->y, s->field->n);
     e->p.geometric_normal = olx_texel_normal(s->field, s->probe, texel_of(s));
     e->p.position = olx_add(olx_madd(s->field->probe_positions[s->probe], centre, distance), aside);
@@ -145,7 +146,8 @@ SURFACE_ROW(has_bricks, put_u(r, s->field->bricks.header != NULL);)
 SURFACE_ROW(ranked_count, put_u(r, 8); put_u(r, s->field->info.probes.count);)
 SURFACE_ROW(next_ranked, put_ranking(s, e, r);)
 SURFACE_ROW(view_from, put_3(r, e->view.offset); put_3(r, e->view.normal); put_f(r, e->view.angle);
-    put_f(r, e->view.miss); const uint32_t side = s->constants->maps_a_side; const uint32_t map = s->probe % (side * side);
+    put_f(r, e->view.miss);
+    const uint32_t side = s->constants->maps_a_side; const uint32_t map = s->probe % (side * side);
     put_u(r, map % side * s->field->stride + 1); put_u(r, map / side * s->field->stride + 1);
     put_u(r, s->probe / (side * side));)
 SURFACE_ROW(see_texel, seen_texel t; const bool seen = see(s, e, e->first_x, e->first_y, &t); put_u(r, seen);
@@ -174,7 +176,8 @@ SURFACE_ROW(map_irradiance_both, const float *v = s->random;
     put_3(r, map_irradiance(&s->source, s->irradiance_probe, &b));)
 SURFACE_ROW(irradiance_both, const olx_irradiance_weights w = olx_irradiance_weigh(&s->source, terms_of(&s->settings),
         s->settings.keep_buried, s->point, s->direction, s->view);
-    put_3(r, weighted_irradiance(&s->source, &w, s->direction)); put_3(r, weighted_irradiance(&s->source, &w, s->view));)
+    put_3(r, weighted_irradiance(&s->source, &w, s->direction));
+    put_3(r, weighted_irradiance(&s->source, &w, s->view));)
 SURFACE_ROW(factor, put_f(r, factor(s->random[0], s->random[1])); put_f(r, factor(0.0f, s->random[0]));
     put_f(r, factor(0.0f, 0.0f));)
 SURFACE_ROW(has_volume, put_u(r, s->field->volume.header != NULL);)

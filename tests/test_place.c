@@ -398,7 +398,7 @@ static void what_cannot_be_covered_is_told_apart(void **state) {
   assert_true(set.report.coverage >= 0.99 * set.report.coverable);
   assert_true(set.report.unreachable == 0.0);
   olx_probe_set_free(&set);
-  // At this resolution texels are too large everywhere: all surfaces are seen, and none is seen well.
+  // At this resolution texels are too large everywhere: all surfaces are seen, but none is seen well.
   rules->forbidden_count = 0;
   settings.count = 3;
   settings.resolution = 8;

@@ -92,7 +92,7 @@ static void expect_same_flood(olx_world *world, const olx_voxels *v, size_t star
   }
 }
 
-// The caves have 37 voxels a side, which is no multiple of a brick's eight.
+// The caves have 37 voxels a side, which is not a multiple of a brick's eight.
 static void floods_by_bricks_reach_what_floods_by_voxels_reach(void **state) {
   (void)state;
   for (uint32_t seed = 0; seed < 3; seed++) {

@@ -240,7 +240,7 @@ static void draws_what_rays_see(void **unused) {
   judge_builtin("builtin:cornell", 0.002, 0.01);
   judge_builtin("builtin:cornell-glossy", 0.002, 0.01);
   judge_builtin("builtin:labyrinth", 0.02, 0.08);
-  // A wide bound, since the rasteriser blurs the lamp's reflection in the polished floor into discs.
+  // The bound is wide, since the rasteriser blurs the lamp's reflection in the polished floor into discs.
   judge_builtin("builtin:area-light", 0.1, 0.04);
   judge_builtin("builtin:pillars", 0.03, 0.08);
 }

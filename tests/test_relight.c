@@ -85,13 +85,14 @@ static void assert_color(olx_vec3 value, olx_vec3 expected, float tolerance) {
   assert_near(value.z, expected.z, tolerance);
 }
 
-// Asserts that walls, all texels and free space have the light of a furnace in which surfaces send `sent`.
+// Asserts that walls, all texels and free space have the light of a furnace in which surfaces emit `sent`.
 static void assert_furnace(const olx_field *field, olx_vec3 sent, float tolerance) {
   const olx_vec3 places[] = {{0.0f, -1.0f, 0.0f}, {1.0f, 0.2f, -0.3f}, {-0.4f, 0.9f, 1.0f}};
   const olx_vec3 normals[] = {{0.0f, 1.0f, 0.0f}, {-1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}};
   const olx_vec3 light = olx_scale(sent, OLX_PI);
   for (uint32_t i = 0; i < 3; i++) assert_color(irradiance_at(field, places[i], normals[i]), light, tolerance);
-  for (uint32_t i = 0; i < 3; i++) assert_color(olx_volume_irradiance(field, olx_splat(0.1f), normals[i]), light, 2.0f * tolerance);
+  for (uint32_t i = 0; i < 3; i++)
+    assert_color(olx_volume_irradiance(field, olx_splat(0.1f), normals[i]), light, 2.0f * tolerance);
   for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
     for (size_t i = 0; i < field->texels; i++) assert_color(olx_texel_indirect(field, probe, i), light, tolerance);
   }
@@ -408,7 +409,7 @@ static void test_surfels_take_turns(void **state) {
   olx_field_close(field);
 }
 
-// What a device reports of a frame before lights were set again says nothing of the new light.
+// A report of a device about a frame that came before lights were set again is ignored.
 static void test_late_records_of_earlier_lights_are_ignored(void **state) {
   olx_field *field = few_surfels(*state);
   olx_relight_settings settings = olx_relight_settings_default();
@@ -527,15 +528,20 @@ static void test_refuses_settings_and_lights(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_furnace, scene_folder_set_up, scene_folder_tear_down),
-      cmocka_unit_test_setup_teardown(test_lights_of_the_bake_change_little, scene_folder_set_up, scene_folder_tear_down),
-      cmocka_unit_test_setup_teardown(test_light_close_to_a_lamp_is_coarse, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_lights_of_the_bake_change_little, scene_folder_set_up,
+                                      scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_light_close_to_a_lamp_is_coarse, scene_folder_set_up,
+                                      scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_arrives_at_a_fresh_bake, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, scene_folder_set_up, scene_folder_tear_down),
-      cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up,
+                                      scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_surfels_take_turns, scene_folder_set_up, scene_folder_tear_down),
-      cmocka_unit_test_setup_teardown(test_late_records_of_earlier_lights_are_ignored, scene_folder_set_up, scene_folder_tear_down),
-      cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_late_records_of_earlier_lights_are_ignored, scene_folder_set_up,
+                                      scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_other_rooms_stay_dark_and_rest_costs_nothing, scene_folder_set_up,
+                                      scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_settings_and_lights, scene_folder_set_up, scene_folder_tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

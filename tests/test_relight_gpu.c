@@ -268,9 +268,10 @@ static void expect_same_rest(both_sides *b, const char *what) {
   const uint32_t frames = run_to_rest(b);
   const picture_errors e = judge_picture(&b->picture, olx_relight_field(b->cpu));
   const double direct = surfels_apart(b, 0), indirect = surfels_apart(b, 1), highlights = surfels_apart(b, 2);
-  print_message("%s, at rest after %u frames: direct %.2g, indirect %.2g, highlights %.2g; surfaces %.2g, objects %.2g, "
-                "glossy %.2g\n",
-                what, frames, direct, indirect, highlights, e.surfaces, e.objects, e.glossy);
+  print_message(
+      "%s, at rest after %u frames: direct %.2g, indirect %.2g, highlights %.2g; surfaces %.2g, objects %.2g, "
+      "glossy %.2g\n",
+      what, frames, direct, indirect, highlights, e.surfaces, e.objects, e.glossy);
   if (direct > 1e-6 || indirect > 1e-7 || highlights > 1e-6 || e.surfaces > 1e-6 || e.objects > 1e-6 || e.glossy > 1e-5)
     fail_msg("%s", what);
 }

@@ -191,9 +191,10 @@ static void built_in_scenes_are_models(void **state) {
   olx_scene *alone = NULL;
   assert_int_equal(olx_scene_load("builtin:statue", &alone), OLX_OK);
   const olx_scene_info was = olx_scene_describe(alone);
-  olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"models\": [{\"path\": \"builtin:statue\", \"scale\": 2,"
-                                  "  \"rotate_degrees\": [0, 90, 0], \"translate\": [10, 0, 0]}],"
-                                  "\"materials\": {\"*\": {\"roughness\": 0.5}, \"staff\": {\"roughness\": 0.25}}}");
+  olx_scene *scene =
+      load(*state, "{\"model\": \"square.obj\", \"models\": [{\"path\": \"builtin:statue\", \"scale\": 2,"
+                   "  \"rotate_degrees\": [0, 90, 0], \"translate\": [10, 0, 0]}],"
+                   "\"materials\": {\"*\": {\"roughness\": 0.5}, \"staff\": {\"roughness\": 0.25}}}");
   const olx_scene_info info = olx_scene_describe(scene);
   assert_int_equal(info.triangles, was.triangles + 2);
   assert_int_equal(info.lights, 1);
@@ -267,9 +268,10 @@ static void unknown_keys_warn_with_their_place(void **state) {
 }
 
 static void description_says_what_placement_keeps_to(void **state) {
-  olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"probes\": {\"pinned\": [[1, 2, 3], [4, 5, 6]], "
-                                  "\"forbidden\": [{\"min\": [0, 1, 2], \"max\": [3, 4, 5]}], "
-                                  "\"playable\": {\"min\": [-1, -2, -3], \"max\": [1, 2, 3]}, \"min_distance\": 0.25}}");
+  olx_scene *scene =
+      load(*state, "{\"model\": \"square.obj\", \"probes\": {\"pinned\": [[1, 2, 3], [4, 5, 6]], "
+                   "\"forbidden\": [{\"min\": [0, 1, 2], \"max\": [3, 4, 5]}], "
+                   "\"playable\": {\"min\": [-1, -2, -3], \"max\": [1, 2, 3]}, \"min_distance\": 0.25}}");
   const olx_probe_rules *rules = &scene->probe_rules;
   assert_int_equal(rules->pinned_count, 2);
   assert_true(rules->pinned[1].x == 4.0f && rules->pinned[1].z == 6.0f);

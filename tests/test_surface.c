@@ -363,7 +363,7 @@ static void rays_between_two_walls_meet_neither(void **state) {
       const olx_vec3 target = olx_madd(to.position, to.geometric_normal, to.epsilon);
       const olx_ray ray = olx_surface_ray_to(&from, target, to.epsilon);
       assert_false(olx_bvh_occluded(scene->bvh, &ray));
-      // Without its end, the same ray meets the target.
+      // A ray without an end meets the target.
       const olx_ray beyond = {ray.origin, ray.direction, 0.0f, INFINITY};
       const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &beyond);
       assert_true(hit.triangle != OLX_NO_HIT && hit.t >= ray.t_max);

@@ -20,8 +20,8 @@ static const olx_grid single = {.origin = {1.9f, 1.4f, 2.7f}, .count = {1, 1, 1}
 typedef analytic_hit (*caster)(const analytic_scene *scene, olx_vec3 origin, olx_vec3 direction);
 typedef olx_vec3 (*lighting)(olx_vec3 position, olx_vec3 normal, uint32_t probe);
 
-// Makes a field of what `cast` meets, with light of this kind stored at every texel. Irradiance probes hold 1, 2, 3,
-// ... as in all analytic fields, so that the test can recognise light from the volume.
+// Makes a field of the surfaces that `cast` meets, with light of this kind stored at every texel. Irradiance probes
+// hold 1, 2, 3, ... as in all analytic fields, so that the test can recognise light from the volume.
 static olx_field *field_of(const analytic_scene *scene, const olx_grid *grid, uint32_t n, caster cast, lighting light) {
   olx_field *f = analytic_field_make(scene, grid, n, 16);
   uint16_t *distance = (uint16_t *)(uintptr_t)f->distance, *normal = (uint16_t *)(uintptr_t)f->normal;

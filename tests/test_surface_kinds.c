@@ -133,7 +133,7 @@ static int free_room(void **state) {
   return 0;
 }
 
-// Returns the public function's irradiance of a surface, with the normals that octalux/sample.h asks for.
+// Returns the public function's irradiance of a surface, with the normals that octalux/sample.h requires.
 static olx_vec3 stored_light(const room_of_kinds *room, const olx_surface *s, bool mapped, olx_vec3 view) {
   const olx_sample_settings settings = olx_sample_settings_default();
   return olx_surface_irradiance(room->field, &settings, olx_madd(s->position, s->geometric_normal, s->epsilon),

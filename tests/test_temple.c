@@ -1,5 +1,5 @@
-// Tests that the temple has the features it was built for: galleries to stand on, stairs to climb and to go under,
-// round pillars, decorated walls, glossy materials, lamps, and cloth with two sides.
+// Tests that the temple has the features it was built for: galleries to walk on, stairs to climb and to go under, round
+// pillars, decorated walls, glossy materials, lamps, and cloth with two sides.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place_fixtures.h"

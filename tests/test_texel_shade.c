@@ -23,7 +23,8 @@ static const olx_field_light lamp = {
 
 static olx_vec3 texel_position(const olx_field *field, uint32_t probe, size_t texel) {
   int32_t x, y;
-  olx_border_source((int32_t)(texel % field->stride) - 1, (int32_t)(texel / field->stride) - 1, (int32_t)field->n, &x, &y);
+  olx_border_source((int32_t)(texel % field->stride) - 1, (int32_t)(texel / field->stride) - 1, (int32_t)field->n, &x,
+                    &y);
   const olx_vec3 direction = olx_texel_direction((uint32_t)x, (uint32_t)y, field->n);
   return olx_madd(field->probe_positions[probe], direction, olx_texel_distance(field, probe, texel));
 }
@@ -117,7 +118,8 @@ static void the_lobe_gets_what_is_not_the_lamps(void **state) {
     const float cosine = fabsf(olx_dot(direction, hit.normal));
     const float known = olx_bsdf_specular_albedo(&bsdf, cosine).x * indirect / OLX_PI;
     // The bound allows for rounding of the stored light of the lamp, and for its position, the middle of the texel.
-    const float away = olx_length(olx_sub(hit.position, lamp.position)), doubt = 0.03f + 3.0f * hit.footprint_metres / away;
+    const float away = olx_length(olx_sub(hit.position, lamp.position)),
+                doubt = 0.03f + 3.0f * hit.footprint_metres / away;
     const olx_vec3 direct = olx_texel_direct(field, hit.probe, hit.texel);
     const float slack = olx_bsdf_specular_albedo(&bsdf, cosine).x * doubt * direct.x / OLX_PI;
     assert_true(fabsf(hit.lobe.x - known) <= 1e-5f + slack);

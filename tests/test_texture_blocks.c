@@ -270,7 +270,7 @@ static void one_colour_is_kept_to_two_steps(void **state) {
   for (uint32_t i = 0; i < 20000; i++) {
     const uint32_t color = i < 256 ? i * 0x010101u : olx_hash2(i, 1) & 0xFFFFFFu;
     uint32_t texels[TEXELS];
-    // The high byte is no part of the colour.
+    // The high byte is not a part of the colour.
     for (uint32_t k = 0; k < TEXELS; k++) texels[k] = color | olx_hash2(i, k) << 24;
     const olx_bc1_block block = olx_bc1_encode(texels, ALL);
     for (uint32_t k = 0; k < TEXELS; k++) assert_true(most_off(olx_bc1_texel(&block, k), color) <= 2);

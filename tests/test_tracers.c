@@ -39,7 +39,7 @@ static olx_probe_ray random_ray(uint32_t i, float scale) {
   case 1: o = olx_madd(olx_scale(d, -scale), o, 1e-5f); break;                       // just past the probe
   case 2: o = (olx_vec3){0.0f, o.y, o.z}, d = olx_normalize((olx_vec3){0.0f, d.y, d.z}); break; // in an axis plane
   case 3: d = (olx_vec3){0.0f, i & 8 ? 1.0f : -1.0f, 0.0f}; break;                   // along an axis
-  case 4: d = olx_normalize(olx_cross(o, d)); break;                                 // nearest to the probe at its start
+  case 4: d = olx_normalize(olx_cross(o, d)); break; // nearest to the probe at its start
   case 5: o = olx_madd(o, d, -4.0f * scale); break;                                  // from far outside
   default: break;
   }
@@ -54,11 +54,12 @@ static bool same_bits(float a, float b) { return memcmp(&a, &b, sizeof a) == 0; 
 static void assert_same(const olx_field *field, uint32_t probe, const olx_probe_ray *ray, olx_tracer tracer,
                         const olx_probe_answer *truth, uint32_t i) {
   const olx_probe_answer a = olx_trace_probe(field, probe, ray, tracer);
-  if (a.status == truth->status && a.texel == truth->texel && same_bits(a.t, truth->t) && same_bits(a.gap, truth->gap)) {
+  if (a.status == truth->status && a.texel == truth->texel && same_bits(a.t, truth->t) &&
+      same_bits(a.gap, truth->gap)) {
     return;
   }
-  fail_msg("n %u, ray %u, tracer %d: status %d texel %zu t %.9g, the referee has status %d texel %zu t %.9g", field->n, i,
-           tracer, a.status, a.texel, (double)a.t, truth->status, truth->texel, (double)truth->t);
+  fail_msg("n %u, ray %u, tracer %d: status %d texel %zu t %.9g, the referee has status %d texel %zu t %.9g", field->n,
+           i, tracer, a.status, a.texel, (double)a.t, truth->status, truth->texel, (double)truth->t);
 }
 
 // Asserts that many rays traced at once have the same answers as each of them alone, including steps.
@@ -66,7 +67,8 @@ static void assert_same_together(const olx_field *field, const olx_probe_job *jo
   olx_probe_answer *answers = calloc(count, sizeof *answers);
   olx_trace_probes(field, jobs, count, OLX_TRACER_HIZ, answers);
   for (uint32_t i = 0; i < count; i++) {
-    const olx_probe_answer one = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, OLX_TRACER_HIZ), *all = &answers[i];
+    const olx_probe_answer one = olx_trace_probe(field, jobs[i].probe, &jobs[i].ray, OLX_TRACER_HIZ),
+                           *all = &answers[i];
     assert_int_equal(all->status, one.status);
     assert_int_equal(all->texel, one.texel);
     assert_int_equal(all->steps, one.steps);
@@ -174,7 +176,8 @@ static void assert_same_hits(const olx_field *field, uint32_t rays, uint64_t ste
   olx_sample_settings settings = olx_sample_settings_default();
   const olx_vec3 low = field->info.scene.bounds_min, size = olx_sub(field->info.scene.bounds_max, low);
   for (uint32_t i = 0; i < rays; i++) {
-    const olx_vec3 o = olx_add(low, olx_mul(size, olx_v3(unit(i, 1), unit(i, 2), unit(i, 3)))), d = random_direction(i ^ 77);
+    const olx_vec3 o = olx_add(low, olx_mul(size, olx_v3(unit(i, 1), unit(i, 2), unit(i, 3)))),
+                   d = random_direction(i ^ 77);
     olx_trace_hit hits[3];
     for (uint32_t tracer = 0; tracer < 3; tracer++) {
       settings.tracer = (olx_tracer)tracer;

@@ -157,7 +157,7 @@ static void the_sides_of_a_sheet_have_probes_of_their_own(void **state) {
   olx_scene_free(scene);
 }
 
-// Compared with irradiance probes of the same bake, which have several times the error.
+// Irradiance probes of the same bake, for comparison, have several times the error.
 static void light_in_free_space_is_that_of_path_tracing(void **state) {
   (void)state;
   static const char *const names[] = {"builtin:cornell", "builtin:labyrinth"};

@@ -283,8 +283,8 @@ static void test_nearest_is_the_nearest(void **state) {
   check_nearest(p, flags, 100, 8);
 }
 
-// From the middle of a grid, the neighbour straight along an axis is the next probe on it, not one of those behind it
-// in the same direction; a map names at most four neighbours, by rising angle.
+// From the middle of a grid, the neighbour straight along an axis is the next probe on that axis, not one of those
+// behind it in the same direction; a map names at most four neighbours, by rising angle.
 static void test_maps_point_at_neighbours(void **state) {
   (void)state;
   static olx_vec3 p[125];

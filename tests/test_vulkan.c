@@ -85,7 +85,8 @@ static olx_vec3 surface_irradiance(const olx_field *field, const olx_vulkan_sett
 static light expected_light(const olx_field *field, const olx_vulkan_settings *settings, const host_pixel *p,
                             const olx_bsdf *bsdf, uint32_t x, uint32_t y) {
   light l = {.irradiance = surface_irradiance(field, settings, p)};
-  const uint32_t seed = olx_hash2(olx_hash2(x, y), 0x85EBCA6Bu + 3u), count = bsdf->alpha > 0.0f ? SAMPLES : 1;
+  const uint32_t seed = olx_hash2(olx_hash2(x, y), OLX_SALT_BRANCH + OLX_GLOSSY_BRANCH);
+  const uint32_t count = bsdf->alpha > 0.0f ? SAMPLES : 1;
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
     const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);

@@ -20,8 +20,8 @@
 
 enum { MOST_CALLS = 64 };
 
-// The program's calls of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename, 'u'nlinking of
-// a unit, unlinking of the 'm'anifest.
+// The program's calls of the file system, in order: 'w'rite, 's'ync of a file, 'f'older synced, 'r'ename, 'u'nlinking
+// of a unit, unlinking of the 'm'anifest.
 static struct {
   char calls[MOST_CALLS];
   uint32_t count;

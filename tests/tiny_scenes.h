@@ -49,7 +49,7 @@ static inline olx_material tiny_plastic(float base_color, float roughness) {
   return material;
 }
 
-// Add a parallelogram that faces along cross(edge_u, edge_v).
+// Adds a parallelogram that faces along cross(edge_u, edge_v).
 static inline void tiny_quad(olx_scene *scene, const olx_material *material, olx_vec3 center, olx_vec3 edge_u,
                              olx_vec3 edge_v) {
   uint32_t index = 0;
@@ -61,7 +61,7 @@ static inline void tiny_quad(olx_scene *scene, const olx_material *material, olx
   ASSERT_OK(olx_scene_add_mesh(scene, "quad", positions, NULL, NULL, 4, indices, 2, index));
 }
 
-// Add a closed cube from (-1,-1,-1) to (1,1,1), seen from inside.
+// Adds a closed cube from (-1,-1,-1) to (1,1,1), seen from inside.
 static inline void tiny_box(olx_scene *scene, const olx_material *material) {
   const olx_vec3 x = {2, 0, 0}, y = {0, 2, 0}, z = {0, 0, 2};
   tiny_quad(scene, material, olx_v3(0, -1, 0), z, x);
@@ -72,7 +72,7 @@ static inline void tiny_box(olx_scene *scene, const olx_material *material) {
   tiny_quad(scene, material, olx_v3(0, 0, 1), y, x);
 }
 
-// Add a floor of 2 x 2 m around the origin, facing up.
+// Adds a floor of 2 x 2 m around the origin, facing up.
 static inline void tiny_floor(olx_scene *scene, const olx_material *material) {
   tiny_quad(scene, material, olx_v3(0, 0, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0));
 }
@@ -82,7 +82,7 @@ static inline olx_scene *tiny_finish(olx_scene *scene) {
   return scene;
 }
 
-// Make a closed box whose walls all emit `emission` and reflect `albedo`: radiance is emission / (1 - albedo)
+// Makes a closed box whose walls all emit `emission` and reflect `albedo`: radiance is emission / (1 - albedo)
 // everywhere.
 static inline olx_scene *tiny_furnace(float albedo, float emission) {
   olx_scene *scene = tiny_scene();
@@ -103,7 +103,7 @@ static inline olx_image tiny_render(const olx_scene *scene, const olx_field *fie
   return image;
 }
 
-// Return the mean over pixels and channels of a layer.
+// Returns the mean over pixels and channels of a layer.
 static inline double tiny_mean(const olx_image *image, olx_layer layer) {
   const size_t count = (size_t)image->width * image->height;
   double sum = 0;
@@ -121,7 +121,7 @@ static inline void assert_close(double value, double expected, double relative_t
   }
 }
 
-// Return the directional albedo of the specular lobe, by the midpoint rule over half vectors distributed as D cos. All
+// Returns the directional albedo of the specular lobe, by the midpoint rule over half vectors distributed as D cos. All
 // computations are in double and independent of the library, from the definitions of GGX, height-correlated Smith and
 // Schlick.
 static inline double tiny_directional_albedo(double f0, double roughness, double cosine_view) {

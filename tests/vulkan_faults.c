@@ -14,16 +14,23 @@ vulkan_faults faults;
     return faults.calls_left-- == 0 ? faults.failure : faults.device->name arguments;                                  \
   }
 // clang-format off
-FAILING(AllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, const VkAllocationCallbacks *a, VkDeviceMemory *m), (d, i, a, m))
+FAILING(AllocateMemory, (VkDevice d, const VkMemoryAllocateInfo *i, const VkAllocationCallbacks *a, VkDeviceMemory *m),
+        (d, i, a, m))
 FAILING(BindBufferMemory, (VkDevice d, VkBuffer b, VkDeviceMemory m, VkDeviceSize o), (d, b, m, o))
 FAILING(BindImageMemory, (VkDevice d, VkImage i, VkDeviceMemory m, VkDeviceSize o), (d, i, m, o))
-FAILING(CreateBuffer, (VkDevice d, const VkBufferCreateInfo *i, const VkAllocationCallbacks *a, VkBuffer *m), (d, i, a, m))
+FAILING(CreateBuffer, (VkDevice d, const VkBufferCreateInfo *i, const VkAllocationCallbacks *a, VkBuffer *m),
+        (d, i, a, m))
 FAILING(CreateImage, (VkDevice d, const VkImageCreateInfo *i, const VkAllocationCallbacks *a, VkImage *m), (d, i, a, m))
-FAILING(CreateImageView, (VkDevice d, const VkImageViewCreateInfo *i, const VkAllocationCallbacks *a, VkImageView *m), (d, i, a, m))
-FAILING(CreateShaderModule, (VkDevice d, const VkShaderModuleCreateInfo *i, const VkAllocationCallbacks *a, VkShaderModule *m), (d, i, a, m))
-FAILING(CreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkPipelineLayout *m), (d, i, a, m))
-FAILING(CreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorPool *m), (d, i, a, m))
-FAILING(CreateDescriptorSetLayout, (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i, const VkAllocationCallbacks *a, VkDescriptorSetLayout *m), (d, i, a, m))
+FAILING(CreateImageView, (VkDevice d, const VkImageViewCreateInfo *i, const VkAllocationCallbacks *a, VkImageView *m),
+        (d, i, a, m))
+FAILING(CreateShaderModule, (VkDevice d, const VkShaderModuleCreateInfo *i,
+         const VkAllocationCallbacks *a, VkShaderModule *m), (d, i, a, m))
+FAILING(CreatePipelineLayout, (VkDevice d, const VkPipelineLayoutCreateInfo *i,
+         const VkAllocationCallbacks *a, VkPipelineLayout *m), (d, i, a, m))
+FAILING(CreateDescriptorPool, (VkDevice d, const VkDescriptorPoolCreateInfo *i,
+         const VkAllocationCallbacks *a, VkDescriptorPool *m), (d, i, a, m))
+FAILING(CreateDescriptorSetLayout, (VkDevice d, const VkDescriptorSetLayoutCreateInfo *i,
+         const VkAllocationCallbacks *a, VkDescriptorSetLayout *m), (d, i, a, m))
 FAILING(AllocateDescriptorSets, (VkDevice d, const VkDescriptorSetAllocateInfo *i, VkDescriptorSet *m), (d, i, m))
 // clang-format on
 

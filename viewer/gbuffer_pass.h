@@ -19,8 +19,8 @@ typedef struct gbuffer_pass {
 bool gbuffer_pass_create(gpu_device *device, VkDescriptorSetLayout set_layout, gbuffer_pass *pass);
 void gbuffer_pass_destroy(gpu_device *device, gbuffer_pass *pass);
 
-// Sets the images to draw into from now on; no pending work may draw into the previous ones. To be called after each
-// frame_images_create.
+// Sets the images to draw into from now on; no pending work may draw into the previous ones. The caller calls this
+// after each frame_images_create.
 bool gbuffer_pass_attach(gpu_device *device, gbuffer_pass *pass, const frame_images *images);
 
 // Records clearing and drawing. Waits for compute and transfers recorded before; later compute may read and write all

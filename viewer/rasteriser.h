@@ -24,8 +24,8 @@ bool rasteriser_create(gpu_device *device, const olx_scene_content *content, con
                        uint32_t height, rasteriser *raster);
 void rasteriser_destroy(gpu_device *device, rasteriser *raster);
 
-// Replaces the images by others of another size; no pending work may use them. On failure there are none, and the call
-// may be repeated.
+// Replaces the images by others of another size; no pending work may use them. On failure there are no images, and the
+// call may be repeated.
 bool rasteriser_resize(gpu_device *device, rasteriser *raster, uint32_t width, uint32_t height);
 
 #endif

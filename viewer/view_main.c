@@ -139,7 +139,7 @@ static bool open_device(viewer *v) {
   view_renderer_lit_size(&v->state, o->size, lit_size);
   if (!view_renderer_create(&v->device, v->scene, v->field, lit_size, &v->renderer) || !open_panel(v))
     return gpu_failure(v);
-  // Scripts can wait, and their images must be reproducible.
+  // With a script or without a window, frames wait for each other's results, so that images are reproducible.
   const bool in_step = o->offscreen || o->script;
   if (o->relight && !view_renderer_relight(&v->renderer, v->scene, v->field, in_step)) return gpu_failure(v);
   return true;

@@ -18,8 +18,8 @@ void view_relight_destroy(view_relight *relight);
 // Sets the lights from the next frame on.
 void view_relight_lights(view_relight *relight, const view_lights *lights);
 
-// To be called before an image seen from `eye`: records uploads of the last frame's changes, and starts the next one.
-// *times receives the costs of both. Returns false with a message in device->problem.
+// Records uploads of the last frame's changes, and starts the next frame, before an image seen from `eye`. *times
+// receives the costs of both. Returns false with a message in device->problem.
 bool view_relight_record(gpu_device *device, view_relight *relight, olx_vec3 eye, VkCommandBuffer commands,
                          view_relight_times *times);
 

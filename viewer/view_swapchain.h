@@ -16,8 +16,8 @@ typedef struct view_swapchain {
   bool stale; // the window has changed: recreate the swapchain
 } view_swapchain;
 
-// Creates or recreates the swapchain for the current surface. Where the window has no pixels it is empty, which is no
-// failure.
+// Creates or recreates the swapchain for the current surface. Where the window has no pixels, the swapchain is empty,
+// which is not a failure.
 bool view_swapchain_create(gpu_device *device, uint32_t width, uint32_t height, bool wait_for_display,
                            view_swapchain *chain);
 void view_swapchain_destroy(gpu_device *device, view_swapchain *chain);

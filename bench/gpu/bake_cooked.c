@@ -1,6 +1,6 @@
 // Bakes a cooked scene: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks]]. It is the
-// least that a machine which bakes must have, as it links Embree and Qhull, and none of the libraries that import
-// scenes or write pictures.
+// smallest program that bakes: it links Embree and Qhull, but none of the libraries that import scenes or write
+// pictures.
 #include <octalux/bake.h>
 
 #include <stdio.h>

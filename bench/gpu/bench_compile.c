@@ -91,7 +91,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
   return VK_SUCCESS;
 }
 
-// The library only fills and reads memory: a memory handle is its address, a buffer handle its size.
+// The library only fills and reads memory: a memory handle is its address, and a buffer handle is its size.
 static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
                                                     const VkAllocationCallbacks *allocator, VkBuffer *buffer) {
   (void)device, (void)allocator;

@@ -16,8 +16,8 @@ typedef struct sweep_scene {
 
 enum { SWEEP_STEPS = 8 };
 
-// Bakes, renders and compares each step; rows go to a table, pictures of `layer` to the report. `plots` are of its
-// columns.
+// Bakes, renders and compares each step; rows go to a table, and pictures of `layer` to the report. `plots` show
+// columns of the table.
 olx_result run_sweep(bench *b, const sweep_scene *scenes, uint32_t count, olx_layer layer, const char *caption,
                      const bench_plot *plots, uint32_t plot_count);
 

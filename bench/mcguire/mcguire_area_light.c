@@ -7,7 +7,7 @@ enum { FRAMES = 64, DIRECT_SAMPLES = 64, GATHERED = 16 };
 static const bench_column columns[] = {
     {"lamp", "lamp", BENCH_NAME, NULL, "sampled by direct lighting, or met by the rays that gather"},
     {"mode", "mode", BENCH_NAME, NULL, "16 rays a lobe and camera sample; or one ray a frame, denoised over 64 frames"},
-    QUALITY_COLUMNS,
+    {.kind = BENCH_DIFFERENCE},
     {"direct_share", "share of direct light", BENCH_QUALITY, "%", "in the picture, of that in the reference"},
     {"seconds", "picture", BENCH_TIME, "s", "processor time of all passes"},
 };
@@ -59,8 +59,10 @@ static olx_result measure(bench *b, const olx_scene *scene, const olx_field *fie
     if (result == OLX_OK) result = bench_compare(b, &images[i], reference, BENCH_BEAUTY, 0, &quality);
     if (result != OLX_OK) break;
     const olx_render_stats *stats = &images[i].stats;
+    bench_cell cells[BENCH_DIFFERENCE_COLUMNS];
+    bench_quality_cells(&quality, cells);
     FINDINGS_ROW(&b->found, table, TEXT_CELL(traced ? "traced" : "sampled"),
-                 TEXT_CELL(denoised ? "denoised" : "gathered"), QUALITY_CELLS(quality),
+                 TEXT_CELL(denoised ? "denoised" : "gathered"), DIFFERENCE_CELLS(cells),
                  NUMBER_CELL(direct_light(&images[i]) / direct_light(reference)),
                  NUMBER_CELL(0.5 * (stats->direct_seconds + stats->diffuse_seconds + stats->glossy_seconds +
                                     stats->denoise_seconds)));

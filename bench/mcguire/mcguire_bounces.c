@@ -10,7 +10,7 @@ static const bench_column columns[] = {
      "of indirect light; many: 16 in the field, all of them in the reference"},
     {"gather", "gathered from", BENCH_NAME, NULL, NULL},
     {"count", "bounces", BENCH_COUNT, NULL, NULL},
-    QUALITY_COLUMNS,
+    {.kind = BENCH_DIFFERENCE},
     {"mean", "mean", BENCH_QUALITY, NULL, "of indirect diffuse light in the picture"},
     {"bake_s", "bake", BENCH_TIME, "s", "processor time"},
 };
@@ -45,8 +45,10 @@ static olx_result measure(bench *b, const olx_scene *scene, const olx_camera *ca
   if (result == OLX_OK) {
     char name[16] = "many";
     if (bounces < MANY) snprintf(name, sizeof name, "%u", bounces);
+    bench_cell cells[BENCH_DIFFERENCE_COLUMNS];
+    bench_quality_cells(&quality, cells);
     FINDINGS_ROW(&b->found, table, TEXT_CELL(name), TEXT_CELL(gather_names[gather]), NUMBER_CELL(bounces),
-                 QUALITY_CELLS(quality), NUMBER_CELL(quality.error.mean), NUMBER_CELL(made.bake_seconds));
+                 DIFFERENCE_CELLS(cells), NUMBER_CELL(quality.error.mean), NUMBER_CELL(made.bake_seconds));
   }
   bench_field_close(&made);
   return result;

@@ -30,7 +30,7 @@ static const bench_column columns[] = {
     {"filtered", "filtered reads", BENCH_COUNT, NULL, "a pixel, of four texels each, from the eight probes of a cage"},
     {"words", "words", BENCH_COUNT, NULL, "of four bytes, read beside them"},
     {"read_bytes", "read", BENCH_COUNT, "bytes", "a pixel, in all"},
-    QUALITY_COLUMNS,
+    {.kind = BENCH_DIFFERENCE},
     {"dark_over_lit_share", "leak", BENCH_QUALITY, "%",
      "mean light of the room that gets none over that of the lit room"},
     {"negative_share", "negative", BENCH_QUALITY, "%",
@@ -105,10 +105,12 @@ static olx_result add_row(const study *s, olx_irradiance_form form, const bench_
   const double samples = 2.0 * s->camera_count * image->width * image->height * bench_spp(s->b);
   char texels[16];
   snprintf(texels, sizeof texels, "%u\u00b2", info->irradiance.size);
+  bench_cell cells[BENCH_DIFFERENCE_COLUMNS];
+  bench_quality_cells(&quality, cells);
   FINDINGS_ROW(&s->b->found, s->table, TEXT_CELL(bench_scene_title(s->wanted->name)), TEXT_CELL(form_names[form]),
                TEXT_CELL(texels), NUMBER_CELL(bytes), NUMBER_CELL(bytes + (double)info->bytes.moments / probes),
                NUMBER_CELL(filtered), NUMBER_CELL(words), NUMBER_CELL(16.0 * filtered + 4.0 * words),
-               QUALITY_CELLS(quality), NUMBER_CELL(dark / quality.error.mean), NUMBER_CELL(rings.negative),
+               DIFFERENCE_CELLS(cells), NUMBER_CELL(dark / quality.error.mean), NUMBER_CELL(rings.negative),
                NUMBER_CELL(rings.undershoot), NUMBER_CELL(1e9 * images->stats.diffuse_seconds / samples),
                NUMBER_CELL(made->bake_seconds));
   return OLX_OK;

@@ -27,7 +27,7 @@ static const bench_column columns[] = {
     {"figure", "figure", BENCH_NAME, NULL, NULL},
     {"scene", "scene", BENCH_NAME, NULL, NULL},
     {"way", "way", BENCH_NAME, NULL, NULL},
-    QUALITY_COLUMNS,
+    {.kind = BENCH_DIFFERENCE},
     {"over_classic", "over classic", BENCH_QUALITY, NULL, "its MSE over that of the method it replaces"},
     {"ms", "diffuse pass", BENCH_TIME, "ms", "processor time of one frame, with denoising"},
     {"published_ms", "published", BENCH_PUBLISHED, "ms", "GTX 1080, 1920 x 1080"},
@@ -89,8 +89,10 @@ static olx_result measure(bench *b, const figure *f, const olx_scene *scene, con
   for (uint32_t i = 0; i < count && result == OLX_OK; ++i) {
     const olx_render_stats *stats = &images[i].stats;
     const double frames = 2.0 * (ways[i].frames ? ways[i].frames : 1);
+    bench_cell cells[BENCH_DIFFERENCE_COLUMNS];
+    bench_quality_cells(&quality[i], cells);
     FINDINGS_ROW(&b->found, table, TEXT_CELL(f->name), TEXT_CELL(bench_scene_title(f->scene)), TEXT_CELL(ways[i].name),
-                 QUALITY_CELLS(quality[i]), NUMBER_CELL(quality[i].error.mse / quality[count - 1].error.mse),
+                 DIFFERENCE_CELLS(cells), NUMBER_CELL(quality[i].error.mse / quality[count - 1].error.mse),
                  NUMBER_CELL(1e3 * (stats->diffuse_seconds + stats->denoise_seconds) / frames),
                  NUMBER_CELL(published_ms(f->name, ways[i].name)));
   }

@@ -9,7 +9,7 @@ static const bench_column columns[] = {
     {"grid", "grid", BENCH_NAME, NULL, "of the light field probes and of the irradiance probes"},
     {"diffuse", "diffuse light", BENCH_NAME, NULL, "from irradiance probes, by 16 rays a sample, or from the baseline"},
     {"layer", "layer", BENCH_NAME, NULL, NULL},
-    QUALITY_COLUMNS,
+    {.kind = BENCH_DIFFERENCE},
 };
 static const bench_plot plots[] = {{.caption = "Error of the indirect light", .y = "relative_mse"}};
 
@@ -49,8 +49,10 @@ static olx_result add_layer(hall *h, const char *grid, const struct way *way, be
   bench_quality quality;
   const olx_result result = bench_compare(h->b, images, h->reference, light, 0, &quality);
   if (result != OLX_OK) return result;
+  bench_cell cells[BENCH_DIFFERENCE_COLUMNS];
+  bench_quality_cells(&quality, cells);
   FINDINGS_ROW(&h->b->found, h->light, TEXT_CELL(grid), TEXT_CELL(way->name),
-               TEXT_CELL(light == BENCH_DIFFUSE ? "indirect diffuse" : "indirect glossy"), QUALITY_CELLS(quality));
+               TEXT_CELL(light == BENCH_DIFFUSE ? "indirect diffuse" : "indirect glossy"), DIFFERENCE_CELLS(cells));
   return OLX_OK;
 }
 

@@ -58,7 +58,8 @@ static olx_vec3 around(olx_vec3 n, uint64_t i) {
   return length > 1e-3f ? (olx_vec3){d.x / length, d.y / length, d.z / length} : s;
 }
 
-// Traces ray i of an endless sequence from a probe that is not buried; false where it has none or meets no surface.
+// Traces ray i of an endless sequence from a probe that is not buried; returns false where the probe is buried or the
+// ray meets no surface.
 static bool meet_surface(const olx_field *field, const olx_field_info *info, uint64_t i, olx_trace_hit *hit) {
   const olx_sample_settings settings = olx_sample_settings_default();
   const uint32_t probe = (uint32_t)(unit(i, 5) * (float)info->probes.count);

@@ -2,8 +2,8 @@
 // scene's first cameras, whose glossy light is averaged over rays, it compares methods of computing the light of a ray
 // with one bounce:
 //   field      the field itself;
-//   exact, ... the texel of a probe that truly sees the ray's hit: the nearest probe, the one that sees it from the most
-//              similar direction, or the one whose texel is smallest there;
+//   exact, ... the texel of a probe that truly sees the ray's hit: the nearest probe, the one that sees it from
+//              the most similar direction, or the one whose texel is smallest there;
 //   shaded     the surface in the texel of the finest such probe, shaded for the ray: the result of exact hits;
 //   light, ... light computed at the ray's hit, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.

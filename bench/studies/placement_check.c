@@ -6,7 +6,7 @@
 // (without one, the scene's bounds) wherever it touches no surface, by exact distances to triangles. It starts at the
 // cameras, or at what a camera outside the box sees of its inside. Steps are at most its diameter, so that it cannot
 // jump over a surface. The result is printed as one JSON object per file of probes, each on a line:
-//   reached       share of probes next to which the ball can stand, with nothing between
+//   reached share of probes next to which the ball can be, with nothing between
 //   nearest       the least distance of a probe to a surface, in diagonals
 //   closest       the least distance of two probes, in diagonals
 //   back          the largest share of directions, of 4096, in which a probe sees the back of a triangle first
@@ -61,11 +61,6 @@ static olx_vec3 node_place(const lattice *l, uint32_t node) {
   return olx_madd(l->low, c, l->step);
 }
 
-static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 static bool box_holds(const olx_box *box, olx_vec3 p, float slack) {
   return p.x >= box->min.x - slack && p.y >= box->min.y - slack && p.z >= box->min.z - slack &&
          p.x <= box->max.x + slack && p.y <= box->max.y + slack && p.z <= box->max.z + slack;
@@ -111,7 +106,7 @@ static uint32_t nodes_around(const lattice *l, olx_vec3 place, int32_t reach, ui
 enum { REACH = 3, AROUND = (2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1) };
 
 static void enter_node(lattice *l, olx_vec3 from, uint32_t node) {
-  if (l->state[node] != UNKNOWN || !sees(l->scene, from, node_place(l, node))) return;
+  if (l->state[node] != UNKNOWN || !olx_bvh_is_clear(l->scene->bvh, from, node_place(l, node))) return;
   l->state[node] = BLOCKED; // blocked until the node is tested, which happens once
   l->next[l->next_count++] = node;
 }
@@ -165,7 +160,7 @@ static bool is_reached(const lattice *l, olx_vec3 place) {
   uint32_t nodes[AROUND];
   const uint32_t count = nodes_around(l, place, REACH, nodes);
   for (uint32_t i = 0; i < count; i++) {
-    if (l->state[nodes[i]] == FREE && sees(l->scene, place, node_place(l, nodes[i]))) return true;
+    if (l->state[nodes[i]] == FREE && olx_bvh_is_clear(l->scene->bvh, place, node_place(l, nodes[i]))) return true;
   }
   return false;
 }
@@ -206,7 +201,7 @@ static spots list_places(const lattice *l, const olx_box *box) {
 
 static bool sees_well(const olx_scene *scene, olx_vec3 place, olx_vec3 point, olx_vec3 normal) {
   const olx_vec3 way = olx_sub(place, point);
-  return olx_dot(way, normal) >= LEAST_COSINE * olx_length(way) && sees(scene, place, point);
+  return olx_dot(way, normal) >= LEAST_COSINE * olx_length(way) && olx_bvh_is_clear(scene->bvh, place, point);
 }
 
 typedef struct coverage_job {

@@ -1,10 +1,10 @@
 // Measures how few probes do as well as a grid: probe-sets SCENE PIXELS FIELD.olx ... It compares glossy light of one
 // bounce in random pixels of the scene's cameras, from every field along the very same rays, with direct light where
-// these rays truly end. So the noise of rays, and most of that of lights, is the same for all fields, and their
-// differences show with few of either.
+// these rays truly end. So the noise of rays, and most of the noise of lights, is the same for all fields, and few rays
+// suffice to show their differences.
 //
-// Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. What
-// is left of it in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
+// Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. The
+// noise that is left in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
 #include "light/direct_light.h"
 #include "options.h"
 #include "render/camera.h"

@@ -19,8 +19,8 @@ typedef struct surface_run {
 // Returns the number of probe sets: placed probes, and the grid unless --quick is given.
 uint32_t surface_ways(const surface_run *r);
 const char *surface_where(const surface_run *r);
-// Bakes a field as `place` and `bake` do by default, or with probe light, which some modes and audits need. Must be
-// closed, also after a failure.
+// Bakes a field as `place` and `bake` do by default, or with probe light, which some modes and audits need. The caller
+// closes it, also after a failure.
 olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made);
 // Path traces the reference from the run's cameras, with one bounce more than the field and `paths` times the usual
 // number of paths.

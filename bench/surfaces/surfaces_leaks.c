@@ -88,7 +88,7 @@ static double volume_light(const olx_field *field, olx_vec3 low, olx_vec3 high) 
   return sum / (6 * SIDE * SIDE * SIDE);
 }
 
-// The dark room extends to the thickest wall that is measured, the lit one to the thinnest.
+// The dark room extends to the thickest wall that is measured, and the lit room to the thinnest.
 static double volume_leak(const surface_run *r, const olx_field *field) {
   const olx_scene_info info = olx_scene_describe(r->scene);
   olx_vec3 lit_high = info.bounds_max, dark_low = info.bounds_min;

@@ -152,7 +152,7 @@ static olx_result audit_points(const surface_run *r, const olx_field *field, olx
   return olx_audit_field(r->scene, field, &settings, &r->b->progress, audit);
 }
 
-// Adds the rows of a field. `plain`: the field whose size and time are reported.
+// Adds the rows of a field. `plain` is the field whose size and time are reported.
 static void add_field(const surface_run *r, const bench_field *plain, const bench_images *images,
                       const field_measures *m) {
   const olx_render_stats *stats = &images->stats;

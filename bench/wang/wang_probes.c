@@ -137,7 +137,8 @@ static void add_finding(const contest *c, const finding *found, const finding *b
 enum { MOST_SHAPES = 8, CONTENDERS = 6 };
 
 // Lists the sets that are compared with grids of n probes: Wang's pipeline with half as many; cover with as many as
-// that, with a third, and with a quarter whose maps are twice as wide, which have as many texels.
+// that pipeline, with a third of n, and with a quarter of n whose maps are twice as wide, so that they have as many
+// texels.
 static void list_contenders(uint32_t n, bench_probes list[CONTENDERS]) {
   const bench_probes all[CONTENDERS] = {
       {.method = OLX_PLACE_SDF, .count = n / 2, .optimize = OLX_OPTIMIZE_GIBBS, .texels = 512},

@@ -4,7 +4,7 @@
 
 #include "wang_view.h"
 
-// A row and its measurements.
+// A row of a table and its measurements.
 typedef struct wang_measured_row {
   const wang_row *row;
   uint32_t set; // index of its field

@@ -6,7 +6,7 @@
 
 enum { WANG_ERRORS = 1, WANG_TIMES = 2 };
 
-// Measures what the experiment needs of one scene (everything when all experiments run); `series`: with the sets of
+// Measures what the experiment needs of one scene (everything when all experiments run); `series` includes the sets of
 // appendix A. *measured is NULL when the scene is left out, which the findings then report. Its fields are closed.
 olx_result wang_study_scene(bench *b, uint32_t scene, uint32_t parts, bool series, wang_measured **measured);
 // Shows images of some rows of a scene, from its cameras, beside the references.

@@ -40,7 +40,7 @@
     return sign * (exponent ? 2 ** (exponent - 15) * (1 + mantissa / 1024) : 2 ** -24 * mantissa);
   });
 
-  // What a picture's half floats look like: the tone map of docs/comparing.md, as bytes.
+  // Shows a picture's half floats: the tone map of docs/comparing.md, as bytes.
   function toneTable(stops) {
     const scale = 2 ** stops;
     return Uint8Array.from(halfValues, (value) => {
@@ -390,7 +390,8 @@
       this.pickers = this.sides.map((_, side) => this.makePicker(loaded, side));
       this.stagePane.box.append(...this.pickers);
       this.mapPanes = this.shownMaps().map((map) => this.makeOther(map));
-      // With more pictures than the stage shows, small ones of all stand below; a click brings one to the left side.
+      // When there are more pictures than the stage shows, thumbnails of all of them are below it; a click on one moves
+      // it to the left side.
       this.thumbs = this.pictureCount > 2 ? loaded.slice(0, this.pictureCount).map((source, i) => this.makeThumb(source, i)) : [];
       this.stagePane.box.classList.toggle("alone", this.mapPanes.length < 2);
       this.grid.replaceChildren(this.stagePane.box, ...this.mapPanes.map((pane) => pane.box));

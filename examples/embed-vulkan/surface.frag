@@ -99,7 +99,8 @@ void main() {
   vec3 light = emission + direct_light(n, view);
 #ifdef OWN_DIFFUSE
   // Boxes are flat and have no normal maps, so the triangle's normal serves as both normals.
-  light += diffuse_reflectance(n, view) / PI * olx_surface_irradiance(olx_sample_settings_default(), position, n, n, view);
+  light += diffuse_reflectance(n, view) / PI *
+           olx_surface_irradiance(olx_sample_settings_default(), position, n, n, view);
 #endif
   normal_image = vec4(n, 0.0);
   albedo_image = vec4(base_color, 1.0);

@@ -30,7 +30,8 @@ const char *olx_bake_light_name(olx_bake_light light);
 
 // A finished unit of work, as olx_bake_work.done receives it.
 typedef struct olx_bake_unit {
-  const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic", "relight", "probe"
+  const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
+                               // "relight", "probe"
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
@@ -47,8 +48,9 @@ typedef struct olx_bake_work {
                         // fails with OLX_ERROR_FILE; 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
                         // field; 0, the default: a whole bake
-  void (*done)(void *user, const olx_bake_unit *unit); // called after each unit, on the thread that bakes; NULL, the default: not wanted
-  void *user;                                          // passed to `done`
+  // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted. `user` is passed to it.
+  void (*done)(void *user, const olx_bake_unit *unit);
+  void *user;
 } olx_bake_work;
 
 typedef struct olx_bake_settings {
@@ -71,12 +73,13 @@ typedef struct olx_bake_settings {
   bool uncompressed;        // store geometry, material and light as texels, as a reference for blocks; default false
   uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a sample sends to area lights and to the sky, 1 to 64; default 1
-  uint32_t bounces;         // further bounces after direct light, 0 to 64, as long as they bring 2^-10 of the light; default 32
+  uint32_t bounces;         // further bounces after direct light, 0 to 64, as long as they bring 2^-10 of the light;
+                            // default 32
   olx_bake_light light;     // default OLX_LIGHT_CACHE
   float noise;              // greatest standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // paths a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
-  uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256, and
-                            // at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
+  uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256,
+                            // and at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
   bool classic;             // also bake classic maps: irradiance probes without visibility (docs/baking.md); default no
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256
@@ -124,8 +127,7 @@ typedef struct olx_bake_stats {
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
-  double
-      unseen; // OLX_GATHER_TRACED: share of the rays that met a surface which no probe nearby sees; they count for nothing
+  double unseen; // OLX_GATHER_TRACED: share of rays that met a surface which no probe nearby sees; they bring no light
 } olx_bake_stats;
 
 // The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.

@@ -37,7 +37,7 @@ typedef enum olx_result {
   OLX_ERROR_CHECKSUM = 6,    // stored and computed checksum differ
   OLX_ERROR_UNSUPPORTED = 7, // well formed, but not supported by this build
   OLX_ERROR_EMPTY = 8,       // a scene or field with nothing to work on
-  OLX_ERROR_CANCELLED = 9,   // the progress callback asked to stop
+  OLX_ERROR_CANCELLED = 9,   // the progress callback requested a stop
   OLX_ERROR_GPU = 10,        // the graphics device refused or was lost
   OLX_ERROR_INCOMPLETE = 11  // results of other bakes are not there yet: try again later (octalux/bake.h)
 } olx_result;

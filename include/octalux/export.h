@@ -106,9 +106,10 @@ const char *olx_map_name(olx_map map);
 // direction of the pixel's middle falls.
 typedef enum olx_map_projection {
   OLX_PROJECTION_OCTAHEDRAL = 0, // the map as it is stored, n x n texels without border (docs/format.md, "Maps")
-  OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters across, as
-                                 // environments of scenes have it
-  OLX_PROJECTION_CUBE            // n x 6 n: the faces +x, -x, +y, -y, +z, -z below one another, each as OpenGL's cube maps have it
+  OLX_PROJECTION_LATLONG,        // 2 n x n: +y at the top, -x at the left edge, +x in the middle, +z three quarters
+                                 // across, as environments of scenes have it
+  OLX_PROJECTION_CUBE            // n x 6 n: the faces +x, -x, +y, -y, +z, -z below one another, each as OpenGL's cube
+                                 // maps have it
 } olx_map_projection;
 
 // Returns a projection's name: "octahedral", "latlong" or "cube".
@@ -118,7 +119,8 @@ typedef struct olx_map_picture {
   olx_map map;
   olx_map_projection projection;
   uint32_t probe; // index among the map's kind of probes
-  uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube. Octahedral: 0
+  uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube.
+                  // Octahedral: 0
 } olx_map_picture;
 
 // Writes a map as an .exr with channels R, G, B (of normals x, y, z), or Y for a single number, through a temporary
@@ -139,8 +141,8 @@ typedef struct olx_gltf_counts {
 // Writes probes, irradiance volume and bricks as a .gltf (2.0, embedded buffers) to look at, in metres of scene
 // coordinates, so that it lies over the scene. Below one node are
 // - "light field probes" and "irradiance probes": a node for each, an octahedron at its position, red inside geometry
-// - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1; and the edges of
-//   its cells
+// - "irradiance volume": the octahedra of its probes in one mesh, coloured by their mean irradiance over pi, cut at 1;
+//   and the edges of its cells
 // - "bricks": the edges of bricks that list a probe, whole and divided bricks apart
 // What a field does not have is left out. Written through a temporary file that is synced and renamed, or to a stream.
 // `counts` may be NULL.
@@ -176,8 +178,8 @@ typedef struct olx_cubes_info {
 } olx_cubes_info;
 
 // Writes a field's indirect light as a KTX 2.0 file: a 3D texture of RGB9E5 texels without mipmaps. Each holds
-// irradiance over pi in W/(sr m^2), which is the radiance of a white surface. Voxel (x, y, z) is in the texels (x, y, z)
-// of six parts: those of the axes x, y and z begin at 0, size[2] and 2 size[2] along z, and in each of them surfaces
+// irradiance over pi in W/(sr m^2), which is the radiance of a white surface. Voxel (x, y, z) is in the texels (x, y,
+// z) of six parts: those of the axes x, y and z begin at 0, size[2] and 2 size[2] along z, and in each of them surfaces
 // that face along the axis begin at 0 along y, and those that face against it at size[1]. The key "octalux.volume" has
 // the transform as JSON.
 //
@@ -186,8 +188,8 @@ typedef struct olx_cubes_info {
 // space. Voxels inside geometry get the light of their neighbours, and of the surfaces around them.
 //
 // With settings->spacing_metres the box has the scene's bounds, enlarged about their middle to whole voxels; with
-// settings->size it has those bounds, and voxels of any shape. Both have a margin of 1/1024 of the longest side, so that
-// surfaces at the bounds are inside. Written through a temporary file that is synced and renamed, or to a stream.
+// settings->size it has those bounds, and voxels of any shape. Both have a margin of 1/1024 of the longest side, so
+// that surfaces at the bounds are inside. Written through a temporary file that is synced and renamed, or to a stream.
 // OLX_ERROR_ARGUMENT for a field without an irradiance volume, and for sizes out of range. `progress` and `info` may be
 // NULL.
 olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *settings, const char *path,

@@ -74,7 +74,7 @@ typedef struct olx_maps_info {
 typedef struct olx_irradiance_info {
   uint32_t probe_count;     // 0: baked without probe light
   uint32_t buried;          // those that are inside geometry, which no lookup uses
-  olx_grid grid;            // where they stand
+  olx_grid grid;            // the positions of probes
   uint32_t size;            // texels along a side of a probe's maps: a power of two, 8 to 256
   olx_irradiance_form form; // with spherical harmonics, the maps hold moments alone
 } olx_irradiance_info;

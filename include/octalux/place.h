@@ -89,7 +89,8 @@ typedef struct olx_place_settings {
   // clusters 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
-  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the default): not limited
+  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the
+                    // default): not limited
   uint32_t views;   // probes that must see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
@@ -137,14 +138,13 @@ typedef struct olx_place_report {
   double visible;          // in line of sight of at least one probe, at any angle and distance
   double coverage_by_area; // like coverage, but each surface is weighted by its area that is seen from anywhere
   double coverable;        // 1 - grazing - restricted
-  double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may stand
-  double restricted;       // not covered: seen only from where no probe may stand: because of the description's
+  double grazing;          // not covered: at grazing angles or with too large a texel from wherever a probe may be
+  double restricted;       // not covered: seen only from where no probe may be: because of the description's
                            // overrides, or within a voxel of surfaces
   double missed;           // not covered but coverable: by more probes, or with a higher wanted coverage
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
-  double reached_m2;       // square metres of sides of surfaces that are seen from the space that matters,
-  double
-      unreached_m2; // and of those that are not and face free space that no opening of two voxels or more connects with it
+  double reached_m2;       // square metres of sides of surfaces that are seen from the space that matters
+  double unreached_m2;     // of those that face free space which no opening of two voxels or more connects with it
   uint32_t buried;        // probes inside geometry (buried), which no lookup uses
   uint32_t rejected;      // OLX_PLACE_GRID: grid points left out because of the description's overrides
   uint32_t candidates;    // number of positions that were considered

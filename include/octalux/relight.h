@@ -41,12 +41,13 @@ typedef void (*olx_occlusion)(void *user, const olx_shadow_ray *rays, uint32_t c
 typedef struct olx_relight_settings {
   uint32_t shadow_rays;   // at least 1; a whole tile of texels may exceed it; default 262144
   uint32_t surfels;       // surfels that gather light from others, at least 1; default 131072
-  uint32_t texels;        // of light field probes whose light is renewed, rounded up to tiles of 32 x 32, at least 1; default 524288
+  uint32_t texels;        // of light field probes whose light is renewed, rounded up to tiles of 32 x 32, at least 1;
+                          // default 524288
   uint32_t volume_probes; // probes of the irradiance volume, at least 1; default 4096
   uint32_t light_samples; // shadow rays from a place to each light with an area and to the sky, 1 to 64; default 1
   float sleep;            // light that changes by less than this share has settled, 0 to 1; default 0.002
-  float near_metres; // what is nearer to the eye is renewed most often; at each doubling of the distance half as often, at least
-                     // an eighth; 0, the default: an eighth of the scene's diagonal
+  float near_metres; // what is nearer to the eye is renewed most often; at each doubling of the distance half as often,
+                     // at least an eighth; 0, the default: an eighth of the scene's diagonal
   olx_occlusion occlusion; // NULL, the default: shadow rays are traced through the field
   void *user;              // passed to it
   uint32_t threads;        // 0: as many as the machine has

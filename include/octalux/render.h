@@ -98,16 +98,17 @@ typedef enum olx_diffuse {
 
 typedef struct olx_render_settings {
   uint32_t width, height;    // 1 to 16384; default 1280 x 720
-  uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path, 4 for field
+  uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path,
+                             // 4 for field
   uint32_t bounces;          // path: indirect bounces (0: direct light only), or OLX_BOUNCES_INFINITE (the default)
   olx_method method;
   olx_diffuse diffuse;       // field; default OLX_DIFFUSE_SURFACE
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // a second seed gives other samples, so that two images have independent noise; default 0
-  float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not traced
-                             // but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields without
-                             // probe light, else that of irradiance probes; default 0 (section 6)
+  float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not
+                             // traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields
+                             // without probe light, else that of irradiance probes; default 0 (section 6)
   bool centered;             // all camera samples of a pixel go through its centre
   olx_denoise_settings denoise; // for olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
@@ -194,7 +195,7 @@ olx_perceptual_settings olx_perceptual_settings_default(void);
 
 // How similar two layers look as pictures, after tone mapping to the 8-bit sRGB of olx_image_save_layer_png.
 typedef struct olx_perceptual {
-  double ssim; // mean structural similarity of luma (Wang et al. 2004), 1 for equal pictures; NaN below 11 pixels a side
+  double ssim; // mean structural similarity of luma (Wang et al. 2004); 1: equal pictures; NaN below 11 pixels a side
   double flip; // mean LDR-FLIP (Andersson et al. 2020), 0 for equal pictures to 1
 } olx_perceptual;
 

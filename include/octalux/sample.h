@@ -27,7 +27,7 @@ typedef enum olx_visibility {
 
 typedef enum olx_hits {
   OLX_HITS_SHADED = 0, // the surface stored in the texel, shaded for the ray's own direction
-  OLX_HITS_STORED = 1  // radiance as the probe saw it, lobes averaged over views: cheaper, the reference; needs probe light
+  OLX_HITS_STORED = 1  // radiance as the probe saw it, lobes averaged over views: a cheap reference; needs probe light
 } olx_hits;
 
 typedef struct olx_sample_settings {
@@ -123,10 +123,10 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
 // irradiance volume (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when
 // the field was baked.
 // - `position`: metres.
-// - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it.
-// Where the volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of
-// another room would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0) it is olx_irradiance
-// with default settings: 0 without probe light. Numbers that are not finite give 0.
+// - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it. Where the
+// volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of another room
+// would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0) it is olx_irradiance with
+// default settings: 0 without probe light. Numbers that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
 // Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without probe light (octalux/bake.h):

@@ -70,7 +70,7 @@ typedef struct olx_scene_load_settings {
   // folder that contains the model's folder, or below it; links are followed first. Default false. A description, and
   // the files to which it refers, are read from anywhere.
   bool allow_outside;
-  olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor does not have them
+  olx_instructions instructions; // default OLX_INSTRUCTIONS_BEST; OLX_ERROR_UNSUPPORTED where the processor lacks them
 } olx_scene_load_settings;
 
 olx_scene_load_settings olx_scene_load_settings_default(void);
@@ -129,7 +129,7 @@ void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count
 
 #define OLX_NO_TEXTURE UINT32_MAX
 
-// A number of bounces that stands for all light.
+// The number of bounces that means all light.
 #define OLX_BOUNCES_INFINITE UINT32_MAX
 
 // A texture of 8-bit RGBA texels, rows from v = 0 upwards as in glTF. It repeats beyond 0 to 1.

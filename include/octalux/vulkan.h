@@ -9,7 +9,8 @@
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.
 //   2. Include shaders/lib/octalux.glsl in the host's own shaders, bind olx_vulkan_field_set, and call
-//      olx_surface_irradiance, olx_irradiance, olx_trace and olx_glossy there. The GLSL is installed in share/octalux/shaders.
+//      olx_surface_irradiance, olx_irradiance, olx_trace and olx_glossy there. The GLSL is installed in
+//      share/octalux/shaders.
 //
 // Threads: calls on one handle must not overlap, except for recording into different command buffers. Creating a field
 // submits to the queue and waits; the host must keep other threads off the queue meanwhile. Nothing may be destroyed or
@@ -119,11 +120,14 @@ typedef struct olx_vulkan_targets {
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
   // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface
   // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
-  olx_vulkan_image geometric_normal; // of the triangle, of either side. None: it is derived from depth, which wants 24 bits or more
-  olx_vulkan_image vertex_normal; // between the triangle's corners, on the side that is looked at, and `normal` is this one bent by
-      // normal maps. None: `normal` replaces it, and normal maps do not show in stored light
-  olx_vulkan_image dynamic; // .r above 0.5 where a pixel shows what was not there when the field was baked, or has moved since: it
-      // takes the irradiance volume. None: nothing has
+  // The normal of the triangle, of either side. None: it is derived from depth, which needs 24 bits or more.
+  olx_vulkan_image geometric_normal;
+  // The normal interpolated between the triangle's corners, on the side towards the eye; `normal` is this one bent by
+  // normal maps. None: `normal` replaces it, and normal maps do not show in stored light.
+  olx_vulkan_image vertex_normal;
+  // .r is above 0.5 where a pixel shows an object that was not there when the field was baked, or has moved since: it
+  // takes the irradiance volume. None: there is no such object.
+  olx_vulkan_image dynamic;
   VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of resolved rays
   VkImageView color;      // in and out: the host's picture in linear radiance

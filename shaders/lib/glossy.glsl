@@ -9,8 +9,8 @@
 #include "trace.glsl"
 
 // Draws a reflection by `random` (two numbers in [0, 1)). `weight` receives the BRDF times cosine over the pdf for
-// Fresnel reflectance 1, and `half_cosine` the cosine for Fresnel (view . half). False, with a weight of 0, when the
-// reflection lies below the surface.
+// Fresnel reflectance 1, and `half_cosine` the cosine for Fresnel (view . half). Returns false, with a weight of 0,
+// when the reflection lies below the surface.
 bool olx_glossy_draw(vec3 normal, vec3 view, float roughness, vec2 random, out vec3 direction, out float weight,
                      out float half_cosine) {
   vec3 tangent, bitangent;

@@ -65,7 +65,7 @@ bool olx_irradiance_usable(olx_sample_settings settings, uint probe) {
 }
 
 // Finds the nearest probe that sees a point, among the 4 x 4 x 4 around it, for a point that its cage hardly sees.
-// False when none of them sees it.
+// Returns false when none of them sees it.
 bool olx_nearest_visible(olx_sample_settings settings, olx_surface_point p, olx_cage cage, out uint nearest) {
   float nearest_distance = OLX_INFINITY;
   nearest = 0u;

@@ -6,8 +6,6 @@
 
 #include "maps.glsl"
 
-const uint OLX_FIELD_LIGHT_WORDS = 16u;
-
 struct olx_field_light {
   uint type;
   vec3 position;  // metres; of point and spot

@@ -286,8 +286,8 @@ float olx_octahedral_depth(olx_march m, olx_piece p, float t) {
 }
 
 // Returns whether the ray is in front of or on every plane of the block read last, over [t0, t1] and any part of it,
-// even when rounding moves the part's ends. Planes in the pool are not read: the block's greatest inverse depth stands
-// in for them.
+// even when rounding moves the part's ends. Planes in the pool are not read: the block's greatest inverse depth is used
+// instead.
 bool olx_block_clears(olx_march m, olx_piece p, float t0, float t1) {
   precise float slack = p.t_end < OLX_INFINITY ? OLX_PARAMETER_ROUNDING * p.t_end : 0.0;
   precise float begin = t0 - slack, end = t1 + slack;
@@ -477,7 +477,8 @@ struct olx_stand {
   ivec2 at;
   int level;
   float s, t;
-  // Entered across a line of v: lines of both axes up to s are passed, else not those of v at s.
+  // True when the node was entered across a line of v: then the lines of both axes up to s are passed, otherwise not
+  // those of v at s.
   bool by_v;
   float least_squared; // of the node of level 0 around a texel: texels that the ray passes nearer are not read
   bool first;          // a texel that is read before anything else
@@ -514,7 +515,7 @@ void olx_leave(inout olx_stand at, ivec2 next, float s, float t, bool by_v) {
 }
 
 // Moves on to the next texel whose stored distance the ray reaches. Nodes and texels take turns in one loop that judges
-// no surfel, so that rays side by side wait little for each other. False at the end of the piece.
+// no surfel, so that rays side by side wait little for each other. Returns false at the end of the piece.
 bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out float stored) {
   bool found = false, blocks = olx_geometry_in_blocks();
   stored = OLX_INFINITY;

@@ -12,9 +12,6 @@
 #include "pack.glsl"
 #include "sampling.glsl"
 
-const float OLX_OFF_SURFACE = 1.0 / 1024.0; // rays start this share of the distance off a surface
-const float OLX_END_SHARE = 1e-3;           // the share of its length by which a ray to a light ends early
-
 struct olx_light_ray {
   vec3 direction;
   float length_metres;
@@ -77,9 +74,6 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
 
 // ---- Highlights between surfels (src/relight/relit_highlights.c)
 
-const float OLX_LINK_ALPHA = 0.2;  // surfels represent surfaces of some size, so their lobes are widened by it
-const float OLX_MOST_BRIGHT = 2.0; // relative to a white matte surface
-
 // Returns the brightness of a specular lobe in light from one direction, relative to a white matte surface.
 float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3 view, vec3 light) {
   float to_view = olx_dot(view, normal), to_light = olx_dot(light, normal);
@@ -95,10 +89,12 @@ float olx_specular_brightness(vec3 normal, float f0, float roughness_alpha, vec3
 
 // ---- Texels and the volume
 
-// Returns texel i of a tile in the order of its blocks of 4 x 4 texels, which share samples of lights.
+// Returns texel i of a tile in the order of its blocks of OLX_LIT_SIDE x OLX_LIT_SIDE texels, which share samples of
+// lights.
 uvec2 olx_tile_texel(uint i, uint tile_side) {
-  uint in_block = i % 16u, block = i / 16u, blocks = tile_side / 4u;
-  return uvec2(block % blocks * 4u + in_block % 4u, block / blocks * 4u + in_block / 4u);
+  uint in_block = i % (OLX_LIT_SIDE * OLX_LIT_SIDE), block = i / (OLX_LIT_SIDE * OLX_LIT_SIDE),
+       blocks = tile_side / OLX_LIT_SIDE;
+  return uvec2(block % blocks, block / blocks) * OLX_LIT_SIDE + uvec2(in_block % OLX_LIT_SIDE, in_block / OLX_LIT_SIDE);
 }
 
 // Computes the weights of a block's corners for a texel.
@@ -121,6 +117,6 @@ float olx_irradiance_scale(uint k) {
 }
 
 // Packs a value as a half float; values beyond its range are clamped so that they stay finite.
-uint olx_half_pack_finite(float value) { return olx_half_pack(clamp(value, -65504.0, 65504.0)); }
+uint olx_half_pack_finite(float value) { return olx_half_pack(clamp(value, -OLX_HALF_MOST, OLX_HALF_MOST)); }
 
 #endif

@@ -38,7 +38,7 @@ struct olx_seen_texel {
   float away;
 };
 
-// Irradiance from those texels of one probe that see the point's surface, times their share.
+// The irradiance from those texels of one probe that see the point's surface, times their share.
 struct olx_texel_light {
   vec3 sum;
   float share;

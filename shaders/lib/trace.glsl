@@ -135,8 +135,8 @@ uint olx_next_corner(olx_search s) {
   return OLX_NO_PROBE;
 }
 
-// Returns the nearest probe at first; later, that neighbour of the last tried probe in whose direction the ray was
-// lost.
+// Returns the nearest probe at first; later, the neighbour of the last tried probe in the direction in which the ray
+// was lost.
 uint olx_next_neighbour(olx_search s, uint last) {
   if (s.attempts == 0u) return olx_voronoi_nearest(s.origin, s.settings.keep_buried);
   precise vec3 stuck = olx_ray_point(s, s.t) - olx_probe_position(last);

@@ -13,7 +13,7 @@
 #ifndef OLX_OWN_VOLUME // a host with words of its own defines a function of this name before this file
 #include "maps.glsl"
 
-// The words of chunk VOLU, followed by those of VIRR, as they lie in the file (docs/format.md).
+// Returns a word of chunk VOLU, followed by VIRR, as it lies in the file (docs/format.md).
 uint olx_volume_word(uint index) { return olx_word(olx_field.volume_first + index); }
 
 // Returns whether the field has a volume; its first word is not 0, because pyramids lie before it.

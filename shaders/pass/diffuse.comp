@@ -6,7 +6,7 @@
 
 void gather(ivec2 pixel, frame_surface surface) {
   olx_sample_settings settings = frame_settings();
-  uint count = frame.diffuse_samples, seed = pixel_seed(uvec2(pixel), DIFFUSE_BRANCH);
+  uint count = frame.diffuse_samples, seed = pixel_seed(uvec2(pixel), OLX_DIFFUSE_BRANCH);
   vec3 sum = vec3(0.0);
   float nearness = 0.0;
   for (uint j = 0u; j < count; j++) {

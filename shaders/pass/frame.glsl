@@ -20,9 +20,6 @@ layout(set = 1, binding = OLX_BINDING_OUT_COLOR, rgba16f) uniform image2D color_
 
 layout(set = 2, binding = OLX_BINDING_SAMPLE, rgba16f) uniform writeonly image2D sample_image;
 
-// The renderer's seeds for the random numbers of each pass.
-const uint DIFFUSE_BRANCH = 0x85EBCA6Bu + 2u, GLOSSY_BRANCH = 0x85EBCA6Bu + 3u;
-
 struct frame_surface {
   vec3 position, normal, view;
   olx_bsdf bsdf;
@@ -71,7 +68,7 @@ vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec
 // Returns the seed of a pixel's random numbers.
 uint pixel_seed(uvec2 pixel, uint branch) {
   uint seed = olx_hash2(pixel.x, pixel.y);
-  return olx_hash2(frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed, branch);
+  return olx_hash2(frame.seed != 0u ? olx_hash2(seed, frame.seed) : seed, OLX_SALT_BRANCH + branch);
 }
 
 // Stores the light of a pixel's rays for the denoiser, if the lobe is denoised; a negative nearness means that the

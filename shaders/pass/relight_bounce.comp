@@ -6,7 +6,7 @@
 shared vec2 lanes[OLX_RELIGHT_GROUP];
 
 // Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
-// white matte surface in its stead as bright.
+// white matte surface in its place as bright.
 float specular_light(uint surfel, float light, vec3 place) {
   vec4 reflectance = surfel_reflectance(surfel);
   vec3 beam = state_vector(relight.beams + 3u * surfel), away = place - surfel_point(surfel, 0u);

@@ -6,8 +6,6 @@
 #include "relight_set.glsl"
 #include "../lib/trace.glsl"
 
-const uint SALT_LIGHT = 0x524C4954u;
-
 // A place to be lit, slightly off its surface, and the seeds of its random numbers.
 struct lit_place {
   vec3 position, normal;
@@ -29,7 +27,8 @@ struct lit_sum {
 // Returns the light of one ray. An unresolved ray counts as shadowed.
 lit_sum light_along(lit_place p, olx_gpu_light light, uint index, uint light_sample, uint samples) {
   vec2 random = vec2(0.0);
-  if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, olx_hash3(p.seed, index, SALT_LIGHT));
+  uint seed = olx_hash3(p.seed, index, OLX_SALT_LIGHT);
+  if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, seed);
   olx_light_ray ray;
   lit_sum found = lit_sum(vec3(0.0), vec3(0.0));
   if (olx_aim(light, p.position, p.normal, random, ray)) {

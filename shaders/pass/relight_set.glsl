@@ -31,20 +31,18 @@ uint surfel_of(uint thread) { return (call.first + thread) % relight.surfels; }
 
 // ---- Surfels of the structure
 
-const uint SURFEL_WORDS = 27u;
-
 vec3 surfel_point(uint surfel, uint point) {
-  uint at = SURFEL_WORDS * surfel + 3u * point;
+  uint at = OLX_RELIGHT_SURFEL_WORDS * surfel + 3u * point;
   return uintBitsToFloat(uvec3(structure[at], structure[at + 1u], structure[at + 2u]));
 }
 
 vec3 surfel_normal(uint surfel) {
-  return olx_normal_unpack(structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS] & 0xFFFFu);
+  return olx_normal_unpack(structure[OLX_RELIGHT_SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS] & 0xFFFFu);
 }
 
 // Returns the reflectance of a surfel's surface: diffuse, specular, F0 and alpha.
 vec4 surfel_reflectance(uint surfel) {
-  uint bytes = structure[SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS + 2u];
+  uint bytes = structure[OLX_RELIGHT_SURFEL_WORDS * surfel + 3u * OLX_RELIGHT_POINTS + 2u];
   return vec4(bytes & 0xFFu, bytes >> 8 & 0xFFu, bytes >> 16 & 0xFFu, bytes >> 24) * (1.0 / 255.0);
 }
 

@@ -4,8 +4,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "relight_rays.glsl"
 
-const uint SALT_SURFEL = 0x53464C52u;
-
 // Adds a sample to the stored mean of `round` earlier samples.
 void add_sample(uint at, vec3 found, uint round) {
   vec3 before = state_vector(at);
@@ -17,7 +15,7 @@ void main() {
   if (thread >= call.count) return;
   uint surfel = surfel_of(thread), round = call.round + (thread < call.before ? 0u : 1u);
   lit_place p = lit_place(surfel_point(surfel, round % OLX_RELIGHT_POINTS), surfel_normal(surfel),
-                          olx_hash2(surfel, SALT_SURFEL), round);
+                          olx_hash2(surfel, OLX_SALT_SURFEL), round);
   lit_sum found = light_place(p);
   vec3 irradiance = add_up(relight.values + 3u * surfel, found.irradiance); // values are recomputed before being read
   vec3 beam = add_up(relight.beam_sums + 3u * surfel, found.beam);

@@ -4,10 +4,9 @@
 #include "relight_rays.glsl"
 #include "relight_tile.glsl"
 
-const uint SALT_TEXEL = 0x5445584Cu;
-
-// Returns the place of texel i of a tile. Random numbers are stratified over sixteen neighbours.
+// Returns the place of texel i of a tile. Random numbers are stratified over a block of neighbours.
 lit_place texel_place(relight_tile tile, uvec2 texel, uint i) {
+  const uint neighbours = OLX_LIT_SIDE * OLX_LIT_SIDE;
   ivec3 map = olx_map_origin(tile.probe);
   olx_texel_geometry seen = olx_texel_geometry_of(map, ivec2(texel));
   float distance_metres = seen.distance;
@@ -15,8 +14,8 @@ lit_place texel_place(relight_tile tile, uvec2 texel, uint i) {
   vec3 place = olx_probe_position(tile.probe) + olx_texel_direction(texel, olx_field.n) * distance_metres;
   return lit_place(
       place + normal * (OLX_OFF_SURFACE * distance_metres), normal,
-      olx_hash3(tile.probe, (tile.first.y * olx_field.n + tile.first.x) * olx_field.n + i / 16u, SALT_TEXEL),
-      i % 16u + 16u * tile.rounds);
+      olx_hash3(tile.probe, (tile.first.y * olx_field.n + tile.first.x) * olx_field.n + i / neighbours, OLX_SALT_TEXEL),
+      i % neighbours + neighbours * tile.rounds);
 }
 
 void main() {

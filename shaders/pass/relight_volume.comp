@@ -6,8 +6,6 @@
 
 layout(set = 0, binding = OLX_BINDING_VOLUME_LIGHT, std430) buffer volume_light_block { uint volume_light[]; };
 
-const uint HALVES = 28u;
-
 void add_link(uint link, inout vec3 sums[OLX_HARMONICS_MOST]) {
   vec3 light = olx_rgb9e5_unpack(structure[link + 1u]) * state_vector(relight.values + 3u * structure[link]);
   vec2 at = vec2(structure[link + 2u] & 0xFFFFu, structure[link + 2u] >> 16) / 65535.0;
@@ -17,15 +15,16 @@ void add_link(uint link, inout vec3 sums[OLX_HARMONICS_MOST]) {
 }
 
 void write_probe(uint probe, vec3 sums[OLX_HARMONICS_MOST]) {
-  uint halves[HALVES];
-  halves[HALVES - 1u] = 0u;
+  uint halves[OLX_VOLUME_HALVES];
+  halves[OLX_VOLUME_HALVES - 1u] = 0u;
   for (uint k = 0u; k < OLX_HARMONICS_MOST; k++) {
     vec3 c = sums[k] * olx_irradiance_scale(k);
     if (k == 0u) c = max(c, vec3(0.0)); // ringing may make the mean of zero light slightly negative
     for (uint i = 0u; i < 3u; i++) halves[3u * k + i] = olx_half_pack_finite(c[i]);
   }
-  uint first = relight.volume_light + HALVES / 2u * probe;
-  for (uint i = 0u; i < HALVES / 2u; i++) volume_light[first + i] = halves[2u * i] | halves[2u * i + 1u] << 16;
+  const uint words = OLX_VOLUME_HALVES / 2u;
+  uint first = relight.volume_light + words * probe;
+  for (uint i = 0u; i < words; i++) volume_light[first + i] = halves[2u * i] | halves[2u * i + 1u] << 16;
 }
 
 void main() {

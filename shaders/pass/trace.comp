@@ -30,7 +30,8 @@ void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout
   if (!further) {
     float weight, half_cosine;
     vec3 direction;
-    if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine)) return;
+    if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine))
+      return;
     next.ray = olx_further_ray(surface.position, direction, olx_fresnel(surface.bsdf, half_cosine) * weight);
   }
   olx_trace_hit hit = olx_trace(settings, next.ray.origin, next.ray.direction, OLX_INFINITY);
@@ -75,7 +76,7 @@ void main() {
       write_gathered(pixel, surface, sum, count);
       return;
     }
-    vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), GLOSSY_BRANCH));
+    vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), OLX_GLOSSY_BRANCH));
     trace_ray(surface, random, next, sum);
   }
 }

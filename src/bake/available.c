@@ -1,4 +1,4 @@
-// Finds how much memory and disk there is, by asking Linux; where Linux does not say, no bake is refused.
+// Finds how much memory and disk space there is, from Linux; where Linux does not report it, no bake is refused.
 #include "bake/available.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
-// Reads the number that a file holds; UINT64_MAX when it holds none ("max").
+// Reads the number that a file holds; UINT64_MAX when the file holds no number but "max".
 static uint64_t number_in(const char *path) {
   FILE *file = fopen(path, "r");
   unsigned long long number = 0;

@@ -4,11 +4,12 @@
 
 #include <octalux/base.h>
 
-// Bytes of memory that can be allocated without swapping: of the machine, or of the control group that this process is
-// in, whichever is less. UINT64_MAX when it is not known.
+// Returns the bytes of memory that can be allocated without swapping: of the machine, or of the control group that this
+// process is in, whichever is less. UINT64_MAX when it is not known.
 uint64_t olx_available_memory(void);
 
-// Bytes that a new file at `path` may take. UINT64_MAX when it is not known, or when `path` is not a regular file.
+// Returns the bytes that a new file at `path` may take. UINT64_MAX when it is not known, or when `path` is not a
+// regular file.
 uint64_t olx_available_disk(const char *path);
 
 #endif

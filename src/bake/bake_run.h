@@ -15,7 +15,7 @@
 #include "bake/volume_bake.h"
 #include "work/unit_store.h"
 
-// What joining knows of the scene and the settings, both read from the stored plan.
+// The scene and the settings as far as joining knows them: both are read from the stored plan.
 typedef struct olx_joined_bake {
   olx_scene scene; // only bounds, origin, hash and the number of lights are set
   olx_bake_settings settings;
@@ -44,27 +44,27 @@ typedef struct olx_bake_run {
   double measure_seconds; // total time spent on measuring Embree
 } olx_bake_run;
 
-// The stage "plan", which precedes the first probe: buried probes, selectors, the cells of the volume and the scene's
-// lights. `make` computes them where the store has none.
+// Runs the stage "plan", which precedes the first probe: buried probes, selectors, the cells of the volume and the
+// scene's lights. `make` computes them where the store has none.
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
-// Whether the store holds every unit of the file.
+// Returns whether the store holds every unit of the file.
 bool olx_bake_is_stored(const olx_bake_run *run);
-// The stage that records statistics of the solved light in the file.
+// Runs the stage that records statistics of the solved light in the file.
 olx_result olx_bake_facts(olx_bake_run *run);
-// The stage of irradiance probes; `make` gathers their light where the store has none.
+// Runs the stage of irradiance probes; `make` gathers their light where the store has none.
 olx_result olx_bake_irradiance(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
 olx_result olx_bake_classic(olx_bake_run *run);
-// The stage that packs the surfels and the volume for relighting.
+// Runs the stage that packs the surfels and the volume for relighting.
 olx_result olx_bake_relight(olx_bake_run *run);
-// The stage of light field probes, with their data for relighting.
+// Runs the stage of light field probes, with their data for relighting.
 olx_result olx_bake_probes(olx_bake_run *run);
 
 // Releases everything that a bake holds, whether it wrote a file or not. Returns `result`, or the error of committing
 // the file.
 olx_result olx_bake_finish(olx_bake_run *run, olx_result result, double start);
-// The header of the field, for the file and to compute its size before any stage runs.
+// Returns the header of the field, for the file and to compute its size before any stage runs.
 olx_field_header olx_bake_header(const olx_bake_run *run);
-// Total units of progress, in rays; the quadrature of the gather must be known.
+// Returns the total number of units of progress, in rays; the quadrature of the gather must be known.
 uint64_t olx_bake_units(const olx_bake_run *run);
 olx_result olx_bake_create_file(olx_bake_run *run, const char *path);
 void olx_bake_describe(olx_bake_run *run);

@@ -10,7 +10,7 @@
 
 static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
 
-// Peak memory of a bake that is described and has not begun, in bytes.
+// Returns the peak memory of a bake that is described and has not begun, in bytes.
 static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const olx_bake_settings *s = b->context.settings;
   const uint32_t threads = s->threads ? s->threads : olx_processor_count();
@@ -30,16 +30,17 @@ static uint64_t links_of(const olx_bake_settings *settings) {
   return settings->light == OLX_LIGHT_CACHE ? olx_scene_light_most_link_bytes() : 0;
 }
 
-// Upper bound of a work folder's size: the size of the file, with emission of every texel where the file stores it only
-// for some tiles. Links are stored once; surfels and the repeated checkpoints of light take less than the difference.
+// Returns an upper bound of a work folder's size: the size of the file, with emission of every texel where the file
+// stores it only for some tiles. Links are stored once; surfels and the repeated checkpoints of light take less than
+// the difference.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t size = b->context.settings->radiance_size;
   return layout->file_bytes + b->context.probes.light_field.count * size * size * sizeof(uint32_t) +
          2 * links_of(b->context.settings);
 }
 
-// Expected size of the file. Maps of texels take exactly what the header says; blocks also have planes, whose number is
-// estimated.
+// Returns the expected size of the file. Maps of texels take exactly what the header says; blocks also have planes,
+// whose number is estimated.
 static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t extra =
       olx_expected_extra_bytes(b->context.probes.light_field.count, b->context.settings->radiance_size);

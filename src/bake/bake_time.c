@@ -13,8 +13,8 @@
 
 enum { SAMPLE_SIDE = 2, LEAST_SIZE = 8, SAMPLE_SIZE = 256 };
 
-// A grid of at most SAMPLE_SIDE probes along each axis, at the middles of equal parts of the box. The ends of a grid
-// are often outside the scene or in a wall, where rays cost little.
+// Returns a grid of at most SAMPLE_SIDE probes along each axis, at the middles of equal parts of the box. The ends of a
+// grid are often outside the scene or in a wall, where rays cost little.
 static olx_grid sample_box(olx_vec3 low, olx_vec3 high, const uint32_t count[3]) {
   olx_grid grid;
   float origin[3], spacing[3];

@@ -99,8 +99,8 @@ static grid grid_of(const site *s, float cell) {
 
 static uint64_t brick_count(const grid *g) { return (uint64_t)g->size[0] * g->size[1] * g->size[2]; }
 
-// Index of the cell that holds a position: OLX_BRICK_CELLS times the index of its brick, plus its index within the
-// brick.
+// Returns the index of the cell that holds a position: OLX_BRICK_CELLS times the index of its brick, plus its index
+// within the brick.
 static uint64_t cell_of(const grid *g, olx_vec3 position) {
   const olx_vec3 offset = olx_sub(position, g->origin);
   const float along[3] = {offset.x, offset.y, offset.z}, per_metre = 1.0f / g->cell;
@@ -119,8 +119,8 @@ static uint64_t bytes_of(uint64_t bricks, uint64_t divided, uint64_t lists) {
   return sizeof(olx_bricks_header) + 4 * (bricks + divided * OLX_BRICK_CELL_WORDS + lists * OLX_BRICK_LIST_WORDS);
 }
 
-// Whether bricks of this size are likely to fit the budget, on the assumption that every third cell has a distinct
-// list.
+// Finds whether bricks of this size are likely to fit the budget, on the assumption that every third cell has a
+// distinct list.
 static olx_result may_fit(const site *s, const grid *g, bool *fits) {
   const uint64_t bricks = brick_count(g), budget = olx_bricks_budget(s->input->map_bytes);
   *fits = bricks <= MOST_BRICKS && bytes_of(bricks, 0, 1) <= budget;
@@ -240,7 +240,7 @@ typedef struct palette {
   uint32_t slot_mask;
 } palette;
 
-// Index of a list, which is added when it is new; `limit` when there is no room.
+// Returns the index of a list, which is added when it is new; `limit` when there is no room.
 static uint32_t number_of(palette *p, const uint16_t *list) {
   uint32_t hash = 0;
   for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) hash = olx_hash2(hash, list[i]);

@@ -26,7 +26,8 @@ uint32_t olx_brick_candidates(const olx_selector_input *input, olx_vec3 middle,
   return count;
 }
 
-// How finely a probe samples a surface point: the inverse of a texel's area there, or 0 when the probe does not see it.
+// Returns how finely a probe samples a surface point: the inverse of a texel's area there, or 0 when the probe does not
+// see it.
 static float quality(const olx_probe_views *views, uint32_t probe, const olx_brick_sample *sample) {
   const olx_vec3 towards = olx_sub(views->input->positions[probe], sample->position);
   const float squared = olx_max(olx_dot(towards, towards), 1e-12f * olx_square(views->input->distance_scale));

@@ -11,7 +11,7 @@
 
 enum { PACKET = 64 };
 
-// The normal of a triangle, on the side that a ray comes from.
+// Returns the normal of a triangle, on the side that a ray comes from.
 static olx_vec3 facing_normal(const olx_scene *scene, uint32_t triangle, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)triangle;
   const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], p = scene->positions[corner[2]];

@@ -26,16 +26,16 @@ typedef struct olx_capture {
 
 // Allocates the maps. The caller sets the fields up to `size`.
 olx_result olx_capture_create(olx_capture *capture);
-// Bytes that maps of `size` texels along a side take; they need not be allocated.
+// Returns the bytes that maps of `size` texels along a side take; they need not be allocated.
 uint64_t olx_capture_bytes(uint32_t size);
 void olx_capture_free(olx_capture *capture);
 
-// Number of rays through the samples of a probe's texels, which are also its units of progress.
+// Returns the number of rays through the samples of a probe's texels, which are also its units of progress.
 uint64_t olx_capture_units(const olx_capture *capture);
 
 olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 position);
 
-// The exact surface that the ray through a texel's centre hits; `capture` is an olx_capture.
+// Returns the exact surface that the ray through a texel's centre hits; `capture` is an olx_capture.
 olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y);
 
 // Casts rays through the samples^2 subpixels of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, texel

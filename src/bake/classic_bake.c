@@ -24,7 +24,7 @@ static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 enum { NO_SIDE = 6 };
 
-// Distance that stands for the sky, along the axis of its cube face.
+// Distance that represents the sky, along the axis of its cube face.
 static const float far_away = 1e30f;
 
 static uint32_t cube_texel(const olx_classic_bake *b, uint32_t tile, uint32_t i) {
@@ -127,7 +127,7 @@ enum { BINS = 4096 };
 
 static float axis_of(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-// The solid angle of everything that is seen beyond a side at `place`.
+// Returns the solid angle of everything that is seen beyond a side at `place`.
 static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, float tolerance) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float sum = 0.0f;
@@ -138,9 +138,9 @@ static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, 
   return sum;
 }
 
-// Distance of the outer surfaces that could belong to side `side`. The outer ones count rather than most of them,
-// because objects in a room hide its walls. Returns false when too much is seen beyond the side for it to enclose the
-// room.
+// Finds the distance of the outer surfaces that could belong to side `side`. The outer ones count rather than most of
+// them, because objects in a room hide its walls. Returns false when too much is seen beyond the side for it to enclose
+// the room.
 static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, float *place) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float weight[BINS] = {0}, moment[BINS] = {0}, total = 0.0f;

@@ -23,7 +23,7 @@ typedef struct olx_classic_bake {
 
 // Allocates the maps. The caller sets the fields up to `bounces`.
 olx_result olx_classic_bake_create(olx_classic_bake *bake);
-// Bytes that a classic bake holds, except for tables of less than 1 MiB. It need not be created.
+// Returns the bytes that a classic bake holds, except for tables of less than 1 MiB. The bake need not be created.
 uint64_t olx_classic_bake_bytes(const olx_classic_bake *bake);
 void olx_classic_bake_free(olx_classic_bake *bake);
 

@@ -36,8 +36,8 @@ static float power(float base, uint32_t exponent) {
   return result;
 }
 
-// The range of texels along one axis of a face that a cone may reach. `along` and `across` are the coordinates of the
-// cone's direction along the face's axis and along this one.
+// Finds the range of texels along one axis of a face that a cone may reach. `along` and `across` are the coordinates of
+// the cone's direction along the face's axis and along this one.
 static bool reach(float along, float across, float angle, uint32_t size, uint32_t *first, uint32_t *end) {
   const float length = sqrtf(along * along + across * across), sine = sinf(angle);
   float low = -0.25f * OLX_PI, high = 0.25f * OLX_PI;

@@ -19,7 +19,7 @@ typedef struct olx_cube_face {
 } olx_cube_face;
 olx_cube_face olx_cube_face_of(uint32_t face);
 
-// The direction of a point on a face, not normalized: u and v from -1 to 1.
+// Returns the direction of a point on a face, not normalized: u and v from -1 to 1.
 static inline olx_vec3 olx_cube_direction(const olx_cube_face *face, float u, float v) {
   return olx_madd(olx_madd(face->axis, face->right, u), face->up, v);
 }
@@ -49,8 +49,8 @@ typedef struct olx_classic_filter {
   uint32_t lobe_count[OLX_CLASSIC_LEVELS];
 } olx_classic_filter;
 
-// The sharpness at which the filter's lobe is as wide as a texel of the octahedral map or of the cube map, whichever is
-// coarser.
+// Returns the sharpness at which the filter's lobe is as wide as a texel of the octahedral map or of the cube map,
+// whichever is coarser.
 uint32_t olx_classic_sharpness(uint32_t size, uint32_t cube_size);
 
 // Allocates maps and tables. The caller sets size, cube_size, sharpness and threads.

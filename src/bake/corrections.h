@@ -33,16 +33,17 @@ void olx_corrections_scatter(olx_vec3 *unknowns, const olx_correction_taps *taps
 // Evaluates one probe's correction at a position in its map.
 olx_vec3 olx_correction_at(const olx_vec3 *cells, olx_vec2 uv);
 
-// State of conjugate gradients on the normal equations, separate for each colour channel. The caller fills `gradient`
-// (the right side minus the matrix times `solution`), and before each step `product` (the matrix times `direction`).
+// The state of conjugate gradients on the normal equations, separate for each colour channel. The caller fills
+// `gradient` (the right side minus the matrix times `solution`), and before each step `product` (the matrix times
+// `direction`).
 typedef struct olx_corrections {
   size_t unknowns; // OLX_CORRECTION_CELLS per probe for corrections of maps
   olx_vec3 *solution, *gradient, *direction, *product;
   double norm[3];
 } olx_corrections;
 
-// Memory for that many unknowns, olx_corrections_bytes of it; solution is 0. False when there is none;
-// olx_corrections_free then too.
+// Allocates memory for that many unknowns, olx_corrections_bytes of it; the solution begins as 0. Returns false when
+// memory runs out; olx_corrections_free is called even then.
 size_t olx_corrections_bytes(size_t unknowns);
 bool olx_corrections_allocate(olx_corrections *c, size_t unknowns);
 void olx_corrections_free(olx_corrections *c);

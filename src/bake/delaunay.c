@@ -91,8 +91,8 @@ static void cross(const double a[3], const double b[3], double out[3]) {
   for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-// Whether all sites lie in one plane: takes the site farthest from the first, then the one farthest from the line
-// through both, then the one farthest from the plane of the three. The set is flat when any of these distances is
+// Returns whether all sites lie in one plane: takes the site farthest from the first, then the one farthest from the
+// line through both, then the one farthest from the plane of the three. The set is flat when any of these distances is
 // small.
 static bool all_in_one_plane(const delaunay *d) {
   double edge[3] = {0}, normal[3] = {0}, farthest = 0.0;
@@ -123,8 +123,8 @@ static bool all_in_one_plane(const delaunay *d) {
   return highest <= FLAT;
 }
 
-// Whether four places lie in a plane up to the joggle and the lattice. On the hull of a grid, such tetrahedra connect
-// places that have others between them.
+// Returns whether four places lie in a plane up to the joggle and the lattice. On the hull of a grid, such tetrahedra
+// connect places that have others between them.
 static bool is_sliver(const delaunay *d, const uint32_t corners[4]) {
   double sides[3][3], normal[3], longest = 0.0;
   for (int i = 0; i < 3; i++) {

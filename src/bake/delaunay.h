@@ -10,10 +10,11 @@ typedef struct olx_neighbours {
   uint32_t *neighbour;
 } olx_neighbours;
 
-// Where there are no tetrahedra (fewer than five distinct positions, or all in one plane, to a ten-thousandth of the
-// whole extent), every probe neighbours every other. Positions closer than a millionth of the whole extent count as
-// one: such probes neighbour each other and share their other neighbours. The relation is symmetric. Where several
-// triangulations are valid, as on regular grids, a joggle of the input with a fixed seed picks one.
+// Finds the neighbours of every probe. Where there are no tetrahedra (fewer than five distinct positions, or all in one
+// plane, to a ten-thousandth of the whole extent), every probe neighbours every other. Positions closer than a
+// millionth of the whole extent count as one: such probes neighbour each other and share their other neighbours. The
+// relation is symmetric. Where several triangulations are valid, as on regular grids, a joggle of the input with a
+// fixed seed picks one.
 olx_result olx_neighbours_create(const olx_vec3 *positions, uint32_t count, olx_neighbours *neighbours);
 void olx_neighbours_free(olx_neighbours *neighbours);
 

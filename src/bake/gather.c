@@ -264,7 +264,7 @@ olx_result olx_gather_pack(olx_gather *gather, uint32_t probe, uint32_t *record)
 
 enum { GATHER_ARRAYS = 6 + OLX_KEPT_BOUNCES + 1 };
 
-// Number of maps that are stored: one for each bounce, up to as many as later bounces read.
+// Returns the number of maps that are stored: one for each bounce, up to as many as later bounces read.
 static uint32_t kept_maps(bool solved, uint32_t bounces) {
   if (solved) return 1;
   return bounces < OLX_KEPT_BOUNCES ? bounces + 1 : OLX_KEPT_BOUNCES + 1;

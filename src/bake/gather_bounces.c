@@ -1,5 +1,5 @@
-// Lights irradiance probes by bounces of light between them, as published: first by direct light of all that they see,
-// then each bounce from the irradiance of the bounce before, or by rays through the probes.
+// Lights irradiance probes by bounces of light between them, as published: first by direct light on all surfaces that
+// they see; each further bounce comes from the irradiance of the previous bounce, or from rays through the probes.
 #include "bake/gather_bounces.h"
 
 #include "bake/gather_points.h"

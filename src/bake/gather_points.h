@@ -38,9 +38,9 @@ static inline olx_sample_place olx_place_of(const olx_quadrature *q, uint32_t ti
   return (olx_sample_place){x, y, y / per_cell * q->cells + x / per_cell};
 }
 
-// A direction within the sample's texel, jittered by a probe's key. From a probe placed symmetrically in a room, as
-// probes of grids often are, regular directions would hit edges of walls exactly, where it is undetermined which wall
-// they hit.
+// Returns a direction within the sample's texel, jittered by a probe's key. From a probe placed symmetrically in a
+// room, as probes of grids often are, regular directions would hit edges of walls exactly, where it is undetermined
+// which wall they hit.
 static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t key, olx_sample_place p) {
   const uint32_t hash = olx_hash3(key, p.y * q->sample_size + p.x, OLX_SALT_JITTER);
   const float scale = 1.0f / (float)q->sample_size, u = ((float)(hash & 0xFFFFu) + 0.5f) * 0x1p-16f;
@@ -48,8 +48,8 @@ static inline olx_vec3 olx_sample_direction(const olx_quadrature *q, uint32_t ke
   return olx_octahedral_decode((olx_vec2){((float)p.x + u) * scale, ((float)p.y + v) * scale});
 }
 
-// Index of the sample that represents a gather point: one of the consecutive samples in its quarter of a cell, drawn by
-// hash.
+// Returns the index of the sample that represents a gather point: one of the consecutive samples in its quarter of a
+// cell, drawn by hash.
 static inline uint32_t olx_picked_sample(uint32_t key, uint32_t point, uint32_t per_quarter) {
   return olx_hash3(key, point, OLX_SALT_PICK) & (per_quarter - 1);
 }

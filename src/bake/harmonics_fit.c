@@ -9,8 +9,9 @@
 
 enum { STEPS = 48 }; // of conjugate gradients
 
-// Weights of the penalties on a correction's mean square over directions and on that of its slope, relative to the
-// points that a probe contributes to: the sums over the sphere of the penalties on the cells of a map's correction.
+// Weights of two penalties, relative to the number of points that a probe contributes to: on the mean square of a
+// correction over directions, and on the mean square of its slope. They are the penalties on one cell of a map's
+// correction, summed over the cells of the sphere.
 static const float SIZE_PENALTY = 1e-4f * OLX_CORRECTION_CELLS;
 static const float SMOOTHNESS_PENALTY = 3e-4f * 4.0f * OLX_PI;
 

@@ -5,8 +5,8 @@
 
 #include "bake/surface_fit.h"
 
-// Corrects `coefficients`, olx_harmonics_count(bands) per probe, by the measurements of the last solved fit. They hold
-// the projection of exact irradiance before.
+// Corrects `coefficients`, olx_harmonics_count(bands) per probe, by the measurements of the last solved fit. On entry
+// they hold the projection of exact irradiance.
 olx_result olx_harmonics_fit(const olx_surface_fit *fit, uint32_t bands, olx_vec3 *coefficients, uint32_t probe_count);
 
 #endif

@@ -85,13 +85,13 @@ static voxel child_of(voxel v, uint32_t child) {
                  (uint16_t)(2 * v.z + (child >> 2))};
 }
 
-// The centre of a voxel, in sides of the finest voxels.
+// Returns the centre of a voxel, in sides of the finest voxels.
 static olx_vec3 voxel_centre(const octree_build *b, voxel v, uint32_t level) {
   const float side = (float)(1u << (b->levels - level));
   return olx_v3(((float)v.x + 0.5f) * side, ((float)v.y + 0.5f) * side, ((float)v.z + 0.5f) * side);
 }
 
-// A mask of the node's children, on the level being subdivided, that the triangle touches.
+// Returns a mask of the node's children, on the level being subdivided, that the triangle touches.
 static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangle) {
   olx_vec3 corners[3];
   place_triangle(b, triangle, corners);
@@ -106,8 +106,8 @@ static uint8_t children_touched(const octree_build *b, voxel v, uint32_t triangl
   return (uint8_t)mask;
 }
 
-// The mean normal of the triangles whose masks include the child. Each unit normal is flipped to the side of the sum so
-// far: the probes' visibility decides which side counts. Returns 0 when no triangle touches the child.
+// Returns the mean normal of the triangles whose masks include the child. Each unit normal is flipped to the side of
+// the sum so far: the probes' visibility decides which side counts. The mean is 0 when no triangle touches the child.
 static olx_vec3 mean_normal(const octree_build *b, const uint32_t *triangles, const uint8_t *masks, size_t count,
                             uint32_t child) {
   olx_vec3 sum = olx_splat(0.0f);
@@ -131,7 +131,7 @@ typedef struct leaf_box {
   uint32_t seed;
 } leaf_box;
 
-// Whether a probe sees a point, or with `to_box`, whether it sees where the line to the point enters the box.
+// Returns whether a probe sees a point, or with `to_box`, whether it sees where the line to the point enters the box.
 static bool sees(const octree_build *b, uint32_t probe, olx_vec3 point, const leaf_box *box, bool to_box) {
   const olx_vec3 origin = b->input->positions[probe], direction = olx_sub(point, origin);
   float t_max = 1.0f;
@@ -158,7 +158,7 @@ static bool sees_leaf(const octree_build *b, uint32_t probe, const leaf_box *box
   return false;
 }
 
-// The score of a probe: n . p / d for a leaf with a surface, 1 / d for an empty leaf.
+// Returns the score of a probe: n . p / d for a leaf with a surface, 1 / d for an empty leaf.
 static float score(const octree_build *b, uint32_t probe, const leaf_box *box) {
   const olx_vec3 offset = olx_sub(b->input->positions[probe], box->centre);
   const float squared = olx_dot(offset, offset);

@@ -4,8 +4,9 @@
 
 #include "bake/selector_input.h"
 
-// Levels of subdivision for light field maps of `radiance_size` texels along a side. The smallest leaves are about as
-// large as a texel's footprint at half the scene's extent; 9 levels from 512 texels on, as in the thesis.
+// Returns the number of levels of subdivision for light field maps of `radiance_size` texels along a side. The smallest
+// leaves are about as large as a texel's footprint at half the scene's extent; 9 levels from 512 texels on, as in the
+// thesis.
 static inline uint32_t olx_octree_levels(uint32_t radiance_size) {
   uint32_t levels = 3;
   while (levels < 9 && 1u << levels < radiance_size) levels++;

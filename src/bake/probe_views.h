@@ -17,8 +17,8 @@ typedef struct olx_probe_views {
 olx_result olx_probe_views_create(const olx_selector_input *input, olx_probe_views *views);
 void olx_probe_views_free(olx_probe_views *views);
 
-// Whether a probe sees a point: whether it lies in front of the plane of the surface in that direction, or behind it by
-// less than a texel's footprint.
+// Returns whether a probe sees a point: whether it lies in front of the plane of the surface in that direction, or
+// behind it by less than a texel's footprint.
 bool olx_view_sees(const olx_probe_views *views, uint32_t probe, olx_vec3 point);
 
 #endif

@@ -11,7 +11,7 @@ typedef struct gram {
   double entry[OLX_HARMONICS_MOST][OLX_HARMONICS_MOST];
 } gram;
 
-// The Gram matrix of the functions over the sphere, summed over the texels.
+// Returns the Gram matrix of the functions over the sphere, summed over the texels.
 static gram gram_of(uint32_t count, uint32_t size) {
   gram g = {.count = count};
   for (uint32_t t = 0; t < size * size; t++) {

@@ -22,7 +22,8 @@ enum {
 // Lobes are cut off where they fall to this share of their peak.
 static const float lobe_floor = 1e-4f;
 
-// Passed by address: by value, the calling convention would differ between machines.
+// Replaces negative values by 0. The argument is passed by address, because the calling convention of vectors that are
+// passed by value differs between machines.
 static inline void keep_positive(lanes *x) { *x = (lanes)((mask)*x & (*x > 0.0f)); }
 
 static inline void raise_to(lanes *x, uint32_t exponent) {

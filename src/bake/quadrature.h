@@ -25,7 +25,7 @@ typedef struct olx_quadrature {
   uint16_t *tiles;       // tiles of distance cells that a block's lobes reach
 } olx_quadrature;
 
-// The sizes of a quadrature, without its tables.
+// Returns the sizes of a quadrature, without its tables.
 olx_quadrature olx_quadrature_shape(uint32_t irradiance_size);
 olx_result olx_quadrature_create(uint32_t irradiance_size, olx_quadrature *quadrature);
 void olx_quadrature_free(olx_quadrature *quadrature);

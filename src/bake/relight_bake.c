@@ -46,7 +46,7 @@ static const olx_link *links_of(const olx_link_batch *batch, uint32_t surfel) {
   return low < batch->count && batch->surfels[low] == surfel ? batch->links + (size_t)low * batch->rays : NULL;
 }
 
-// The random number that selects the links of a place, a function of the place alone.
+// Returns the random number that selects the links of a place, a function of the place alone.
 static float draw_of(uint64_t place) {
   return olx_unit_float(olx_hash3((uint32_t)place, (uint32_t)(place >> 32), SALT_DRAW));
 }
@@ -218,7 +218,7 @@ static void put(output *o, const void *data, size_t size_bytes) {
   o->next += size_bytes;
 }
 
-// Relative area that a point of a cell represents: points were sampled by rays that spread out.
+// Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
 static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) {

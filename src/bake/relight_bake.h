@@ -38,7 +38,7 @@ olx_result olx_relight_bake_load(olx_relight_bake *bake, olx_byte_reader *from);
 
 // Finds the links of the irradiance volume's probes.
 olx_result olx_relight_bake_volume(olx_relight_bake *bake, const olx_vec3 *positions, uint32_t count);
-// Adds the sites of a light field probe. To be called for all probes, in order.
+// Adds the sites of a light field probe. The caller adds all probes, in order.
 olx_result olx_relight_bake_probe(olx_relight_bake *bake, const olx_relight_sites *probe);
 // Writes the structure to the file, once the sites of all probes are added.
 olx_result olx_relight_bake_write(olx_relight_bake *bake, olx_field_writer *writer);

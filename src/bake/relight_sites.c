@@ -128,7 +128,8 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
       first[at] = i;
       light_at(j, &s->surface[i], &b->sites[b->count++]);
     } else if (at < b->count && b->sites[at].count == 0) {
-      light_at(j, &s->surface[i], &b->sites[at]); // the texels before it lie in a fold, from which no surfel is visible
+      // Earlier texels of the site lie in a fold, from which no surfel is visible.
+      light_at(j, &s->surface[i], &b->sites[at]);
     }
     if (at == OLX_RELIGHT_BLOCK_SITES) {
       at = 0;

@@ -8,7 +8,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 
-// The builder of a selector; NULL where there is nothing to build, as the cage is the grid itself.
+// Returns the builder of a selector; NULL where there is nothing to build, because the cage is the grid itself.
 static olx_selector_builder builder_of(olx_select select) {
   switch (select) {
   case OLX_SELECT_VORONOI: return olx_voronoi_build;

@@ -92,9 +92,10 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
   batch->averages_lobes = false;
 }
 
-// Texels of radiance are looked at from other directions than the probe's. In maps of radiance lobes wider than this
-// (roughness 0.1) are therefore what they reflect on average over views; narrower ones are as the probe sees them,
-// because a mirror that is only seen blurred would look wrong. Irradiance sums light that really arrives at its probe.
+// Rays meet texels of radiance from other directions than the probe's. In maps of radiance, lobes wider than this
+// (roughness 0.1) therefore contribute their average over views; narrower ones are stored as the probe sees them,
+// because a mirror with a blurred picture in it would look wrong. Irradiance sums light that really arrives at its
+// probe.
 static const float matte_alpha = 0.01f;
 
 void olx_shade_refresh(olx_shade_batch *batch, uint32_t i) {
@@ -126,13 +127,14 @@ static olx_vec3 to_local(olx_vec3 v, olx_vec3 tangent, olx_vec3 bitangent, olx_v
   return olx_v3(olx_dot(v, tangent), olx_dot(v, bitangent), olx_dot(v, normal));
 }
 
-// A shadow ray's share, by the balance heuristic, of light that a reflected ray drawn with density `pdf` can find too.
+// Returns a shadow ray's share, by the balance heuristic, of light that a reflected ray drawn with density `pdf` can
+// find too.
 static float shadow_share(const olx_light_sample *light, uint32_t samples, float pdf) {
   const float density = light->pdf * (float)samples;
   return light->delta ? 1.0f : density / (density + pdf);
 }
 
-// Light that an unoccluded sample sends to the eye.
+// Returns the light that an unoccluded sample sends to the eye.
 static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const olx_light_sample *light,
                                 uint32_t samples) {
   const olx_surface *s = &batch->surface[i];
@@ -178,7 +180,7 @@ static void collect_light(const olx_shade_context *context, olx_shade_scratch *s
   scratch->lit_point[rays->count++] = i;
 }
 
-// Cast what was collected; returns how many rays met nothing.
+// Casts the collected shadow rays, and returns how many met nothing.
 static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratch, const light_rays *rays) {
   uint32_t lit = 0;
   olx_bvh_occluded_many(context->scene->bvh, scratch->rays, rays->count, !rays->varies, scratch->occluded);
@@ -187,7 +189,7 @@ static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratc
   return lit;
 }
 
-// Add what arrives to the points that sent the rays.
+// Adds the light of unoccluded rays to the points that sent them.
 static void add_light(olx_shade_scratch *scratch, olx_shade_batch *batch, light_rays *rays) {
   for (uint32_t k = 0; k < rays->count; k++) {
     if (scratch->occluded[k]) continue;
@@ -212,7 +214,8 @@ static void add_shared_light(olx_shade_scratch *scratch, olx_shade_batch *batch,
   rays->count = 0;
 }
 
-// The first rays of few points. When none of them finds the light, few others send rays, and theirs count for all.
+// Casts the first rays of few points. When none of them finds the light, only a few other points send rays, which
+// represent all of them.
 static void add_light_sparingly(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch,
                                 light_rays *rays) {
   uint32_t number = 0;
@@ -284,7 +287,7 @@ void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint3
   }
 }
 
-// Draw a ray from the diffuse lobe; false when it lies below the surface.
+// Draws a ray from the diffuse lobe; returns false when it lies below the surface.
 static bool scatter_path(const olx_shade_batch *batch, olx_shade_path *path, olx_ray *ray) {
   const uint32_t i = path->from;
   const olx_surface *s = &batch->surface[i];
@@ -296,7 +299,7 @@ static bool scatter_path(const olx_shade_batch *batch, olx_shade_path *path, olx
   return true;
 }
 
-// Draw the ray by which a path goes on from `batch`; false when it ends here.
+// Draws the ray by which a path continues from `batch`; returns false when the path ends there.
 static bool reflect_path(const olx_shade_batch *batch, olx_shade_path *path, uint32_t depth, olx_ray *ray) {
   const uint32_t i = path->from;
   const olx_surface *s = &batch->surface[i];
@@ -323,12 +326,12 @@ static bool reflect_path(const olx_shade_batch *batch, olx_shade_path *path, uin
   return true;
 }
 
-// The reflected ray's share of light that shadow rays sample too.
+// Returns the reflected ray's share of light that shadow rays sample too.
 static float light_share(const olx_shade_batch *from, const olx_shade_path *path, float light_pdf) {
   return path->pdf > 0.0f ? path->pdf / (path->pdf + light_pdf * (float)from->light_samples) : 1.0f;
 }
 
-// Light that a ray gets from the emitter or the sky at its end.
+// Returns the light that a ray gets from the emitter or the sky at its end.
 static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_batch *from, const olx_shade_path *path,
                              const olx_surface *end) {
   if (!end) {
@@ -339,8 +342,8 @@ static olx_vec3 light_at_end(const olx_shade_context *context, const olx_shade_b
   return olx_scale(end->emission, light_share(from, path, pdf));
 }
 
-// Light of emitters and the sky at the ends of paths, when `lights` is set. When `surfaces` is set, what reflections
-// met goes to `to`, and their paths to `next`. Returns their count.
+// Adds the light of emitters and of the sky at the ends of paths, when `lights` is set. When `surfaces` is set, appends
+// the surfaces that reflections met to `to`, and their paths to `next`. Returns the number of these.
 static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch, const olx_shade_batch *from,
                           const olx_shade_path *paths, uint32_t count, bool lights, bool surfaces, olx_shade_batch *to,
                           olx_shade_path *next) {

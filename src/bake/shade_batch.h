@@ -1,8 +1,8 @@
 // Lighting many surface points at once, so that rays go to the ray caster in packets: direct light through both lobes,
 // diffuse light of earlier bounces from irradiance maps, and reflections cast as rays.
 //
-// The last replaces the trace through the field by which a renderer finds glossy light: the baker has the triangles, so
-// its reflections are exact. They still end at light that is biased towards no viewpoint but their own.
+// A renderer finds glossy light by tracing through the field; the baker has the triangles, so its reflections are
+// exact. The light at their ends depends on no viewpoint other than their own.
 #ifndef OLX_BAKE_SHADE_BATCH_H
 #define OLX_BAKE_SHADE_BATCH_H
 
@@ -94,34 +94,35 @@ typedef struct olx_shade_context {
 
 void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene, uint32_t seed);
 
-// A probe's or a point's key for random numbers, in this bake.
+// Returns a probe's or a point's key for random numbers, in this bake.
 static inline uint32_t olx_shade_key(const olx_shade_context *context, uint32_t key) { return key ^ context->seed; }
 void olx_shade_context_end(olx_shade_context *context);
 
-// A thread's working memory for one job, or NULL after noting that there is none.
+// Returns a thread's working memory for one job, or NULL after noting that there is none.
 olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
-// OLX_ERROR_MEMORY once some thread got no working memory, so that what its jobs should have made is missing.
+// Returns OLX_ERROR_MEMORY once a thread has got no working memory, because then the results of its jobs are missing.
 olx_result olx_shade_check_memory(olx_shade_context *context);
 
-// Empty a batch.
+// Empties a batch.
 void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples);
 
-// Append the surface at `hit` to the batch, seen along `direction`; its radiance starts at 0. Returns its index.
+// Appends the surface at `hit` to the batch, seen along `direction`; its radiance starts at 0. Returns its index.
 uint32_t olx_shade_append(olx_shade_context *context, olx_shade_batch *batch, const olx_ray_hit *hit,
                           olx_vec3 direction, uint32_t seed, uint32_t sequence);
 
-// To be called when a point's albedo was changed.
+// Updates what depends on a point's albedo, after the albedo was changed.
 void olx_shade_refresh(olx_shade_batch *batch, uint32_t point);
 
-// How many rays of the diffuse lobe should look for lights at a point, at most 1: none where every light is so small
-// that shadow rays find it far better.
+// Returns how many rays of the diffuse lobe should look for lights at a point, at most 1: none where every light is so
+// small that shadow rays find it far better.
 float olx_shade_scattering(const olx_shade_context *context, const olx_surface *surface);
 
-// Add what the lights send, through both lobes, except what only a reflected ray can find.
+// Adds the light of emitters, through both lobes, except what only a reflected ray can find.
 void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, olx_shade_batch *batch);
 
-// Add the diffuse reflection of the irradiance of bounce `bounce`; of the solution's, where there is one.
+// Adds the diffuse reflection of the solution's irradiance, where there is a solution, or else of the irradiance of
+// bounce `bounce`.
 void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce);
 
 // Which light a reflected ray brings.
@@ -130,8 +131,8 @@ enum {
   OLX_REFLECT_BOUNCES = 2, // of surfaces
 };
 
-// Cast rays from `count` points of scratch->roots (paths[0]: all but direction and pdf set) and add what they bring
-// when surfaces carry direct light and `bounces` - 1 further bounces.
+// Casts rays from `count` points of scratch->roots (paths[0] has everything but direction and pdf) and adds the light
+// that they find when surfaces carry direct light and `bounces` - 1 further bounces.
 void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratch, uint32_t count, uint32_t bounces,
                            uint32_t what);
 

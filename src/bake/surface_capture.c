@@ -1,6 +1,6 @@
-// Fills the texels of a light field probe with the surfaces that they see: material and emission by what rays meet,
-// direct light by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every
-// texel. Radiance as the probe sees it is what that surface sends to the probe.
+// Fills the texels of a light field probe with the surfaces that they see: material and emission by rays, direct light
+// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel. Radiance as
+// the probe sees it is what that surface sends to the probe.
 #include "bake/surface_capture.h"
 
 #include "bake/texel_light.h"
@@ -48,7 +48,8 @@ static float footprint(const olx_surface_capture *c, float distance) {
   return distance * OLX_TEXEL_ANGLE / (float)c->capture->size;
 }
 
-// Whether a sample lies on the surface at the texel's middle: of the same make, and no step in between.
+// Returns whether a sample lies on the surface at the texel's middle: it has the same material and side, and there is
+// no step in between.
 static bool on_surface(const olx_surface *middle, const olx_surface *sample, float tolerance) {
   if (sample->material != middle->material || sample->back_face != middle->back_face) return false;
   if (sample->triangle == middle->triangle) return true;
@@ -57,14 +58,15 @@ static bool on_surface(const olx_surface *middle, const olx_surface *sample, flo
   return fabsf(olx_dot(step, middle->geometric_normal)) <= tolerance;
 }
 
-// The surface as light that does not look at normal maps falls on it.
+// Returns the surface without its normal map, as light that ignores normal maps sees it.
 static olx_surface smooth(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface) {
   olx_surface s = *surface;
   s.shading_normal = olx_surface_vertex_normal(scene, hit, surface);
   return s;
 }
 
-// Direct irradiance at sample `k` of a texel. Neighbouring texels share out the samples of lights between them.
+// Returns the direct irradiance at sample `k` of a texel. Neighbouring texels divide the samples of lights among
+// themselves.
 static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *t, uint32_t k,
                              const olx_surface *surface, uint64_t *rays) {
   const olx_capture *capture = c->capture;
@@ -95,7 +97,7 @@ static void add_sample(const olx_surface_capture *c, const texel_samples *t, uin
   sums->mirrored = olx_add(sums->mirrored, olx_texel_mirrored(&source, surface, t->rays[k].direction, &sampler, rays));
 }
 
-// Light that has 1 to bounces + 1 surfaces between emitter and texel.
+// Returns the light that has 1 to bounces + 1 surfaces between emitter and texel.
 static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples *t, const olx_surface *surface,
                                uint64_t *rays) {
   const olx_capture *capture = c->capture;
@@ -106,7 +108,8 @@ static olx_vec3 indirect_light(const olx_surface_capture *c, const texel_samples
                                      seed, rays);
 }
 
-// Emission of the samples that emit, as the texel's middle does: a surface beside a lamp holds no share of it.
+// Returns the emission of the samples that emit, as the texel's middle does: a surface beside a lamp gets none of the
+// lamp's emission.
 static olx_vec3 mean_emission(const olx_surface_capture *c, const texel_samples *t, olx_vec3 middle, bool sky) {
   const olx_scene *scene = scene_of(c);
   const uint32_t per_texel = settings_of(c)->samples * settings_of(c)->samples;
@@ -145,7 +148,7 @@ static void store_radiance(const olx_surface_capture *c, uint32_t at, const olx_
   c->radiance[at] = olx_r11g11b10f_pack(olx_madd(reflected, sums->mirrored, share));
 }
 
-// Emission of the texel, which radiance holds as well.
+// Stores the emission of the texel, which radiance includes as well.
 static void store_emission(const olx_surface_capture *c, uint32_t at, olx_vec3 emission) {
   c->emission[at] = olx_rgb9e5_pack(emission);
   if (c->radiance) c->radiance[at] = olx_r11g11b10f_pack(olx_add(olx_r11g11b10f_unpack(c->radiance[at]), emission));
@@ -198,7 +201,7 @@ static void capture_row(void *user, uint32_t y) {
 
 uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_capture_units(c->capture); }
 
-// Finds the indirect irradiance of the probe's texels where the solved light gives it.
+// Finds the indirect irradiance of the probe's texels, where it is read from the solved light.
 static olx_result find_irradiance(const olx_surface_capture *c, bool buried) {
   const size_t texels = (size_t)c->capture->size * c->capture->size;
   if (!c->light) return OLX_OK;

@@ -26,19 +26,21 @@ typedef struct olx_surface_capture {
 
 // The fields up to `light` are the caller's to fill.
 olx_result olx_surface_capture_create(olx_surface_capture *surfaces);
-// Bytes that the maps of a probe take, of what is described so far but for `light`; `solved`: there will be one.
+// Returns the bytes that the maps of a probe take, according to the fields described so far except `light`; `solved`
+// says whether a solution of light will exist.
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *surfaces, bool solved);
 void olx_surface_capture_free(olx_surface_capture *surfaces);
 
-// Units of progress a probe takes, in samples of texels.
+// Returns the units of progress that a probe takes, in samples of texels.
 uint64_t olx_surface_capture_units(const olx_surface_capture *surfaces);
 
-// *maps points into `surfaces`; surfaces->radiance is filled, too, where it is wanted. For a probe that is `buried`,
-// indirect light is taken as 0: no surfels are spread inside geometry, and each texel would have to gather light by
-// rays.
+// *maps points into `surfaces`; surfaces->radiance is filled as well where the settings request it. For a probe that is
+// `buried`, indirect light is taken as 0: there are no surfels inside geometry, so that each texel would have to gather
+// light by rays.
 olx_result olx_surface_capture_probe(olx_surface_capture *surfaces, bool buried, olx_surface_maps *maps);
 
-// The lights of a scene that have no area, as a field holds them; *lights is to be given to olx_release.
+// Collects the lights of a scene that have no area, as a field stores them; the caller releases *lights with
+// olx_release.
 olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights);
 
 #endif

@@ -49,14 +49,14 @@ uint64_t olx_surface_fit_units(uint32_t probe_count, bool solved) {
   return (uint64_t)probe_count * POINTS_PER_PROBE * units_of_point(solved);
 }
 
-// A ray from a surface into the half space it faces, cosine distributed.
+// Returns a ray from a surface into the half space it faces, cosine distributed.
 static olx_ray scattered_ray(const olx_surface *surface, uint32_t index, uint32_t seed) {
   const olx_vec3 local = olx_sample_cosine(olx_stratified2(index, seed));
   return olx_surface_ray(surface, olx_normalize(olx_from_basis(local, surface->geometric_normal)), INFINITY);
 }
 
-// Draws a surface point: what a ray scattered from a surface that the probe sees meets. Surfaces are met about evenly
-// by area, also those that no probe sees.
+// Draws a surface point: the end of a ray that is scattered from a surface which the probe sees. Such points are spread
+// about evenly over the area of all surfaces, including those that no probe sees.
 static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *surface) {
   const olx_surface_fit_input *in = &fit->input;
   const uint32_t probe = index / POINTS_PER_PROBE, i = index % POINTS_PER_PROBE;
@@ -106,7 +106,7 @@ static void append_hits(const olx_surface_fit *fit, uint32_t index, olx_shade_sc
   }
 }
 
-// One ray through the specular lobe of every point that has a narrow one; returns their count.
+// Draws one ray through the specular lobe of every point that has a narrow one; returns their count.
 static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   uint32_t count = 0;
   for (uint32_t k = 0; k < scratch->roots.count; k++) {
@@ -116,7 +116,7 @@ static uint32_t choose_reflections(olx_shade_scratch *scratch) {
   return count;
 }
 
-// The solution's irradiance at the point, about the geometric normal, as the point's rays are.
+// Returns the solution's irradiance at the point, about the geometric normal, as the point's rays are.
 static olx_vec3 solved_irradiance(const olx_surface_fit *fit, const olx_surface *surface) {
   olx_surface flat = *surface;
   flat.shading_normal = surface->geometric_normal;
@@ -173,7 +173,8 @@ static void interpolate(const olx_surface_fit *fit, fit_point *point, olx_vec3 m
   point->residual = olx_sub(measured, sum);
 }
 
-// Measures the irradiance of a job's points with the light of the bounces before, and what interpolation misses of it.
+// Measures the irradiance of a job's points with the light of earlier bounces, and the difference from what is
+// interpolated.
 static void measure_job(void *user, uint32_t job) {
   olx_surface_fit *fit = user;
   const uint32_t first = job * POINTS_PER_JOB;
@@ -295,11 +296,3 @@ bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx
   return point->valid;
 }
 
-bool olx_surface_fit_point(const olx_surface_fit *fit, uint32_t index, olx_vec3 *position, olx_vec3 *normal,
-                           const olx_ray_hit **hits) {
-  const fit_point *point = &fit->points[index];
-  *position = point->position;
-  *normal = point->normal;
-  *hits = fit->hits + (size_t)index * RAYS_PER_POINT;
-  return point->valid;
-}

@@ -3,10 +3,11 @@
 
 #include "core/octahedral.h"
 
-// How far a texel of a block may lie from the plane of its first, in footprints, and how far their normals may part.
+// How far a texel of a block may lie from the plane of the block's first texel, in footprints, and how far their
+// normals may differ.
 static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
-// How far a texel may lie from the plane of another with which it shares, in footprints, and how far their normals may
-// part.
+// How far a texel may lie from the plane of another with which it shares light, in footprints, and how far their
+// normals may differ.
 static const float SHARED_FOOTPRINTS = 1.0f, SHARED_COSINE = 0.9f;
 
 static olx_surface surface_of(const olx_capture *c, uint32_t texel) {

@@ -6,7 +6,7 @@
 #include "block/geometry_block.h"
 #include "scene/surface.h"
 
-// Index of the i-th texel of a block in a map whose rows lie one after the other.
+// Returns the index of the i-th texel of a block in a map whose rows lie one after the other.
 static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t block, uint32_t i) {
   const uint32_t blocks = capture->size / OLX_BLOCK_SIDE;
   const uint32_t x = block % blocks * OLX_BLOCK_SIDE + i % OLX_BLOCK_SIDE,
@@ -14,7 +14,7 @@ static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t bloc
   return y * capture->size + x;
 }
 
-// What the texels of a block of the probe that was captured last see, with vertex normals to shade by.
+// The surfaces that the texels of a block see, for the probe that was captured last, with vertex normals for shading.
 typedef struct olx_block_surfaces {
   uint32_t seen; // bit i: texel i sees a surface, else the sky
   olx_surface surface[OLX_BLOCK_TEXELS];
@@ -22,11 +22,11 @@ typedef struct olx_block_surfaces {
 
 void olx_block_look(const olx_capture *capture, uint32_t block, olx_block_surfaces *surfaces);
 
-// Whether all texels see one plane.
+// Returns whether all texels see one plane.
 bool olx_block_is_flat(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces);
 
-// Whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is found
-// for one.
+// Returns whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is
+// found for one.
 bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces, uint32_t texel,
                       uint32_t other);
 

@@ -1,6 +1,6 @@
-// Reads the solved light of the scene at what the texels of a probe see: at four texels of a block that lies on one
-// plane, at every texel elsewhere. Where it has to be gathered, texels of a block that lie on one surface share the
-// result.
+// Reads the solved light of the scene at the surfaces that the texels of a probe see: at four texels of a block that
+// lies on one plane, at every texel elsewhere. Where light has to be gathered, texels of a block that lie on one
+// surface share the result.
 #include "bake/texel_light.h"
 
 #include "bake/texel_blocks.h"
@@ -43,8 +43,8 @@ static uint32_t texels_apart(uint32_t a, uint32_t b) {
   return columns > rows ? columns : rows;
 }
 
-// The gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie on its
-// surface; NOT_FOUND when there is none.
+// Returns the gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie
+// on its surface; NOT_FOUND when there is none.
 static uint32_t find_gathered(const texel_light *t, uint32_t block, const gathered_texels *g,
                               const olx_block_surfaces *s, uint32_t texel) {
   const uint32_t shared = t->capture->size / SHARED_SHARE;

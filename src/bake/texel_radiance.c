@@ -1,5 +1,5 @@
-// Computes the radiance that the surface of a texel sends to its probe: light of the texel through the diffuse lobe, or
-// through both as averaged over views, and what mirrors reflect.
+// Computes the radiance that the surface of a texel sends to its probe: the texel's light through the diffuse lobe or
+// through the average of both lobes over views, and what mirrors reflect.
 #include "bake/texel_radiance.h"
 
 #include "light/path.h"
@@ -17,7 +17,7 @@ olx_vec3 olx_texel_reflected(const olx_bsdf *bsdf, float cosine, olx_vec3 irradi
   return olx_scale(olx_mul(albedo, irradiance), 1.0f / OLX_PI);
 }
 
-// Light that arrives along the lobe's ray.
+// Returns the light that arrives along the lobe's ray.
 static olx_vec3 arriving(const olx_lobe_source *source, const olx_surface *surface, const olx_lobe_ray *lobe,
                          olx_sampler *sampler, uint64_t *rays) {
   const olx_scene *scene = source->scene;

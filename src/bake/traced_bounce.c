@@ -14,13 +14,13 @@
 
 enum { SALT_RAY = 0x54524143, NEARBY = 64 };
 
-// How far a place may lie off the surface that a probe stored, in distances from the probe; and how much normals may
-// differ.
+// How far a place may lie off the surface that a probe stored, as a share of its distance from the probe; and how much
+// normals may differ.
 static const float off_surface = 0.02f, least_normal = 0.5f;
 
 static const olx_probe_list *probes_of(const olx_traced_bounce *t) { return &t->context->probes.irradiance; }
 
-// The gather point that stands for a direction of the probe.
+// Returns the gather point that represents a direction of the probe.
 static uint32_t point_towards(const olx_quadrature *q, uint32_t x, uint32_t y) {
   const uint32_t per_quarter = olx_samples_per_cell(q) / 4, tiles = q->sample_size / OLX_GATHER_TILE;
   const uint32_t tile = y / OLX_GATHER_TILE * tiles + x / OLX_GATHER_TILE;
@@ -50,8 +50,8 @@ typedef struct ray_end {
   uint32_t triangle;
 } ray_end;
 
-// Whether the probe stored, at that gather point, the surface at the ray's end: at the end's distance from the probe,
-// measured along the stored surface.
+// Returns whether the probe stored, at that gather point, the surface at the ray's end: at the end's distance from the
+// probe, measured along the stored surface.
 static bool stores(const olx_traced_bounce *t, uint32_t probe, uint32_t point, const ray_end *end, olx_vec3 towards,
                    float distance) {
   const olx_ray_hit *hit = &t->hits[(size_t)probe * olx_gather_points(t->quadrature) + point];
@@ -66,7 +66,8 @@ static bool stores(const olx_traced_bounce *t, uint32_t probe, uint32_t point, c
   return fabsf(stored - distance) <= off_surface * distance;
 }
 
-// The gather point of the probe that stores the light at the ray's end: the one in its direction or one beside it.
+// Finds the gather point of the probe that stores the light at the ray's end: the one in its direction or one beside
+// it.
 static bool find_point(const olx_traced_bounce *t, uint32_t probe, const ray_end *end, uint32_t *found) {
   const olx_quadrature *q = t->quadrature;
   const olx_vec3 offset = olx_sub(end->position, probes_of(t)->positions[probe]);
@@ -74,7 +75,7 @@ static bool find_point(const olx_traced_bounce *t, uint32_t probe, const ray_end
   if (distance <= 0.0f || olx_dot(offset, end->normal) >= 0.0f) return false;
   const olx_vec3 towards = olx_scale(offset, 1.0f / distance);
   const olx_vec2 uv = olx_octahedral_encode(towards);
-  // A gather point stands for squares of 2 x 2 samples or more.
+  // A gather point represents a square of 2 x 2 samples or more.
   const int32_t size = (int32_t)(2 * q->cells), step = (int32_t)q->sample_size / size;
   const int32_t cx = (int32_t)olx_min(uv.x * (float)size, (float)size - 1.0f),
                 cy = (int32_t)olx_min(uv.y * (float)size, (float)size - 1.0f);
@@ -90,7 +91,7 @@ static bool find_point(const olx_traced_bounce *t, uint32_t probe, const ray_end
   return false;
 }
 
-// The probes around a place, nearest first: those of the cage and its neighbours.
+// Finds the probes around a place, nearest first: those of the cage and its neighbours. Returns their number.
 static uint32_t probes_nearby(const olx_traced_bounce *t, olx_vec3 position, uint32_t probes[NEARBY]) {
   const olx_cage cage = olx_cage_at(t->grid, position);
   float distance[NEARBY];
@@ -130,7 +131,7 @@ static uint32_t find_link(olx_traced_bounce *t, const ray_end *end) {
   return UNSEEN;
 }
 
-// One ray from each point of the batch, and its link.
+// Casts one ray from each point of the batch, and stores its link.
 static void link_rays(olx_traced_bounce *t, olx_shade_scratch *scratch, uint32_t number) {
   const olx_shade_batch *roots = &scratch->roots;
   const olx_scene *scene = t->shade->scene;

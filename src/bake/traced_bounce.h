@@ -1,6 +1,7 @@
-// Bounces by rays (the dissertation's section 4.3.3): diffuse light at what a probe sees is looked up where rays from
-// there meet surfaces, in what the probes stored there of the bounce before. A probe answers only for what it sees: the
-// place must lie at the distance that it stored in that direction. The other way interpolates irradiance maps.
+// Bounces by rays (the dissertation's section 4.3.3): rays are cast from the surfaces that a probe sees, and where they
+// meet other surfaces, the light of the previous bounce is read from what probes stored there. A probe is read only for
+// places that it sees: the place must lie at the distance that the probe stored in that direction. The alternative is
+// to interpolate irradiance maps.
 //
 // Geometry does not move, so rays are cast and probes found once; each bounce follows the same links.
 #ifndef OLX_BAKE_TRACED_BOUNCE_H
@@ -19,7 +20,7 @@ typedef struct olx_traced_bounce {
   const olx_quadrature *quadrature;
   const olx_grid *grid;
   const olx_ray_hit *hits; // of the gather points, olx_gather_points of each probe
-  // Each OLX_BOUNCE_RAYS of each gather point: the gather point, over all probes, that holds the light at the ray's
+  // OLX_BOUNCE_RAYS entries for each gather point: the gather point, over all probes, that holds the light at the ray's
   // end.
   uint32_t *links;
   // Light that leaves gather points towards their probes: direct, and of the bounces up to the last and the one before.
@@ -28,17 +29,17 @@ typedef struct olx_traced_bounce {
 } olx_traced_bounce;
 
 olx_result olx_traced_bounce_create(olx_traced_bounce *traced);
-// The memory that it holds, for so many probes of so many gather points.
+// Returns the memory that a bounce holds, for so many probes of so many gather points.
 uint64_t olx_traced_bounce_bytes(uint32_t probe_count, uint32_t gather_points);
 void olx_traced_bounce_free(olx_traced_bounce *traced);
 
 // Casts the rays. The hits must be known.
 olx_result olx_traced_bounce_link(olx_traced_bounce *traced);
 
-// Irradiance of bounce `bounce` (0: of direct light) at gather point `point`, over all probes.
+// Returns the irradiance of bounce `bounce` (0: of direct light) at gather point `point`, over all probes.
 olx_vec3 olx_traced_irradiance(const olx_traced_bounce *traced, size_t point, uint32_t bounce);
 
-// Where the light of a bounce is stored.
+// Returns where the light of a bounce is stored.
 static inline olx_vec3 *olx_traced_light(const olx_traced_bounce *traced, uint32_t bounce) {
   return bounce == 0 ? traced->direct : traced->light[bounce & 1u];
 }

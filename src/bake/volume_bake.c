@@ -1,4 +1,5 @@
-// Runs the steps of the irradiance volume: free space, its cells, their probes' light, and what they leave unserved.
+// Runs the steps of the irradiance volume: free space, its cells, their probes' light, and the share of surfaces
+// without a cell.
 #include "bake/volume_bake.h"
 
 #include "bake/volume_light.h"

@@ -1,4 +1,5 @@
-// The irradiance volume of a bake: cells from geometry before the file is laid out, light when it has been solved.
+// The irradiance volume of a bake: cells are made from geometry before the file is laid out, and lit when light has
+// been solved.
 #ifndef OLX_BAKE_VOLUME_BAKE_H
 #define OLX_BAKE_VOLUME_BAKE_H
 
@@ -14,13 +15,13 @@ typedef struct olx_volume_bake {
   olx_volume_cells cells; // made first
 } olx_volume_bake;
 
-// Whether a bake with such settings makes a volume, where there is free space.
+// Returns whether a bake with such settings makes a volume, where there is free space.
 bool olx_volume_is_baked(const olx_bake_settings *settings);
 
-// The cells, and the share of surfaces in sight of probes at which there is none.
+// Makes the cells, and measures the share of surfaces in sight of probes at which there is none.
 olx_result olx_volume_bake_create(olx_volume_bake *bake, olx_bake_stats *stats);
-// The light of the probes, by units of the store, to the file; `writer` is NULL where there is none. `light` is not
-// needed to join.
+// Computes the light of the probes by units of the store, and writes it to the file; `writer` is NULL where no file is
+// written. Joining does not need `light`.
 olx_result olx_volume_bake_write(olx_volume_bake *bake, const olx_scene_light *light, olx_unit_store *store,
                                  olx_field_writer *writer, olx_bake_stats *stats);
 // Units of the stage "volume".

@@ -9,11 +9,11 @@
 
 enum { CELLS_PER_JOB = 16, PARTS = 1 << OLX_VOLUME_LEVELS, NO_NEXT = -1 };
 
-// A cell is halved when a surface is nearer to its middle than this share of its side: when it is in the cell, or close
-// by.
+// A cell is halved when a surface is nearer to its middle than this share of its side: that is, when a surface is in
+// the cell or close to it.
 static const float NEAR = 1.0f;
-// A place that stands in for a corner may serve another cell when it is at most so much farther from the corner than
-// its own.
+// A place that replaces a corner may also serve another cell, when it is at most this many times as far from the corner
+// as the cell's own place.
 static const float SHARED_DISTANCE = 1.25f;
 
 // A cell: its low corner in parts of cubes, and how often its cube was halved.
@@ -154,8 +154,8 @@ static olx_result corner_probe(builder *b, uint64_t key, olx_vec3 position, uint
   return olx_cell_table_set(&b->corners, key, *probe);
 }
 
-// A place that stands in for the same corner already, when this side sees it and it is as near to the corner; else a
-// new one.
+// Finds a place that already replaces the same corner, when this side sees it and it is as near to the corner;
+// otherwise makes a new one.
 static olx_result stand_in_probe(builder *b, uint64_t key, olx_vec3 corner, olx_vec3 anchor, olx_vec3 position,
                                  uint32_t *probe) {
   const float reach = SHARED_DISTANCE * olx_length(olx_sub(position, corner));
@@ -185,7 +185,7 @@ static olx_result add_side(builder *b, const leaf *l, const olx_volume_side *sid
   return OLX_OK;
 }
 
-// An entry of a leaf's own numbers as one of the whole structure.
+// Converts an entry from a leaf's own numbers to those of the whole structure.
 static uint32_t global_entry(const leaf *l, uint32_t entry, uint32_t first_cell, uint32_t first_split) {
   const uint32_t number = entry & OLX_VOLUME_NUMBER;
   switch (entry & OLX_VOLUME_KIND) {
@@ -195,7 +195,7 @@ static uint32_t global_entry(const leaf *l, uint32_t entry, uint32_t first_cell,
   }
 }
 
-// The block that an entry names, which becomes one where it names nothing.
+// Finds the block that an entry names. An entry that names nothing becomes a block.
 static olx_result block_at(builder *b, uint32_t *entry, uint32_t *block) {
   if (*entry == 0) {
     if (b->header.blocks == b->block_capacity) {
@@ -213,7 +213,7 @@ static olx_result block_at(builder *b, uint32_t *entry, uint32_t *block) {
   return OLX_OK;
 }
 
-// Entries of a block are 1 / 4 of its side; a cell of half of it takes eight.
+// A block has four entries along each side; a cell of half its side takes up eight of them.
 static void fill_block(builder *b, uint32_t block, const leaf *l, uint32_t parts_an_entry, uint32_t entry) {
   const uint32_t parts = PARTS >> l->level, count = parts / parts_an_entry;
   uint32_t *entries = b->blocks + (size_t)block * OLX_VOLUME_BLOCK_ENTRIES;

@@ -20,7 +20,7 @@ typedef struct light_job {
   uint64_t *rays; // a job
 } light_job;
 
-// The bits of a number but its exponent, so that random numbers do not depend on the unit of length.
+// Returns the bits of a number except its exponent, so that random numbers do not depend on the unit of length.
 static uint32_t mantissa_bits(float value) {
   union {
     float value;
@@ -29,7 +29,7 @@ static uint32_t mantissa_bits(float value) {
   return both.bits & 0x807FFFFFu;
 }
 
-// Random numbers come from a probe's place.
+// Seeds random numbers by a probe's place.
 static uint32_t seed_at(olx_vec3 p, uint32_t seed) {
   return olx_hash2(olx_hash3(mantissa_bits(p.x), mantissa_bits(p.y), mantissa_bits(p.z)), seed);
 }

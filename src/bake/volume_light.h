@@ -15,12 +15,12 @@ typedef struct olx_volume_light {
   uint64_t rays_cast; // set
 } olx_volume_light;
 
-// Irradiance of `count` probes, OLX_VOLUME_HALVES each.
+// Computes the irradiance of `count` probes, OLX_VOLUME_HALVES numbers each.
 olx_result olx_volume_light_make(olx_volume_light *volume, const olx_vec3 *positions, uint32_t count,
                                  uint16_t *irradiance);
 
-// Share of the surfaces that probes at `positions` with flags[i] == 0 see, by solid angle, at which the volume has no
-// cell.
+// Finds the share of the surfaces that probes at `positions` with flags[i] == 0 see, by solid angle, at which the
+// volume has no cell.
 olx_result olx_volume_unserved(const olx_scene *scene, const olx_volume *volume, const olx_vec3 *positions,
                                const uint8_t *flags, uint32_t count, double *share);
 

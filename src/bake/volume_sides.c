@@ -1,6 +1,6 @@
-// Separates the sides of a cell: places spread over the cell are connected where they see each other, and what is not
-// connected is divided by the planes of the triangles between, until each part is one. What is outside all rooms is
-// divided off as well.
+// Separates the sides of a cell: places spread over the cell are connected where they see each other, and unconnected
+// sets of places are separated by the planes of the triangles between them. Space outside all rooms is separated as
+// well.
 #include "bake/volume_sides.h"
 
 #include "core/sampling.h"
@@ -37,11 +37,6 @@ olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner) {
   return olx_madd(low, olx_v3((float)(corner & 1), (float)(corner >> 1 & 1), (float)(corner >> 2)), side);
 }
 
-static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 static void spread_places(cell_places *c) {
   static const float third = 1.0f / 3.0f;
   const float steps[LATTICE] = {INSET, third, 2.0f * third, 1.0f - INSET};
@@ -63,7 +58,7 @@ static uint32_t root_of(cell_places *c, uint32_t place) {
 static void connect(cell_places *c, uint32_t a, uint32_t b) {
   if (!(c->free >> a & c->free >> b & 1)) return;
   const uint32_t i = root_of(c, a), k = root_of(c, b);
-  if (i == k || !clear(c->space->scene, c->places[a], c->places[b])) return;
+  if (i == k || !olx_bvh_is_clear(c->space->scene->bvh, c->places[a], c->places[b])) return;
   if (i < k) c->part[k] = (uint8_t)i;
   else c->part[i] = (uint8_t)k;
 }
@@ -82,7 +77,7 @@ static void connect_places(cell_places *c) {
   for (uint32_t i = 0; i < PLACES; i++) c->part[i] = (uint8_t)root_of(c, i);
 }
 
-// The places of the part that has most of the set.
+// Returns the places of the part that has most of the set.
 static uint64_t largest_part(const cell_places *c, uint64_t set) {
   uint64_t parts[PLACES] = {0}, best = 0;
   for (uint32_t i = 0; i < PLACES; i++) {
@@ -94,7 +89,7 @@ static uint64_t largest_part(const cell_places *c, uint64_t set) {
   return best;
 }
 
-// The plane of the first triangle on the way.
+// Finds the plane of the first triangle between two places.
 static bool plane_between(const olx_scene *scene, olx_vec3 from, olx_vec3 to, olx_vec3 *normal, float *offset) {
   const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
   const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
@@ -106,7 +101,7 @@ static bool plane_between(const olx_scene *scene, olx_vec3 from, olx_vec3 to, ol
   return olx_length(*normal) > 0.5f;
 }
 
-// The middle of the wall between two places, or its face where its two faces are not parallel.
+// Finds the middle of the wall between two places, or its face where its two faces are not parallel.
 static bool wall_between(const cell_places *c, uint32_t a, uint32_t b, olx_vec3 *normal, float *offset) {
   olx_vec3 back;
   float back_offset;
@@ -126,7 +121,7 @@ static uint64_t in_front(const cell_places *c, uint64_t set, olx_vec3 normal, fl
   return front;
 }
 
-// The plane that leaves most places with their own part, if any is better than none.
+// Finds the plane that leaves most places with their own part, if any is better than none.
 static bool divide(const cell_places *c, uint64_t set, olx_volume_split *split, uint64_t *front) {
   int most = __builtin_popcountll(largest_part(c, set));
   bool found = false;
@@ -168,7 +163,8 @@ static bool is_clear_of_surfaces(const cell_places *c, olx_vec3 place, float cle
   return olx_bvh_distance(c->space->scene->bvh, place, clearance) >= clearance;
 }
 
-// The place towards a corner that the anchor reaches on a straight way, some way off the surface that ends it.
+// Returns the place that the anchor reaches on a straight line towards a corner, a little before the surface that ends
+// the line.
 static olx_vec3 way_towards(const cell_places *c, olx_vec3 anchor, olx_vec3 corner) {
   const olx_vec3 way = olx_sub(corner, anchor);
   const float length = olx_length(way), margin = CLEARANCE * c->side;
@@ -192,7 +188,7 @@ static olx_vec3 find_stand_in(const cell_places *c, uint64_t part, olx_vec3 anch
   return best;
 }
 
-// Whether a corner is in the space of a side: seen from the place that is nearest to it, or from the anchor.
+// Returns whether a corner is in the space of a side: seen from the place that is nearest to it, or from the anchor.
 static bool has_corner(const cell_places *c, uint64_t part, olx_vec3 anchor, olx_vec3 corner) {
   if (!is_clear_of_surfaces(c, corner, CLEARANCE * c->side)) return false;
   uint32_t near = 0;
@@ -203,7 +199,8 @@ static bool has_corner(const cell_places *c, uint64_t part, olx_vec3 anchor, olx
     nearest = distance;
     near = i;
   }
-  return clear(c->space->scene, c->places[near], corner) || clear(c->space->scene, anchor, corner);
+  const olx_bvh *bvh = c->space->scene->bvh;
+  return olx_bvh_is_clear(bvh, c->places[near], corner) || olx_bvh_is_clear(bvh, anchor, corner);
 }
 
 static uint32_t make_side(cell_places *c, uint64_t part) {
@@ -218,8 +215,8 @@ static uint32_t make_side(cell_places *c, uint64_t part) {
   return OLX_VOLUME_CELL | number;
 }
 
-// The plane of an outer face that has all places of the space in a region before it and most of those that are shut out
-// behind it, or the other way about.
+// Finds the plane of an outer face that has all places of the space in a region before it and most of those that are
+// shut out behind it, or the reverse.
 static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_volume_split *split,
                      bool *inside_before) {
   const uint64_t inside = region & c->free, outside = region & c->shut_out;
@@ -231,7 +228,8 @@ static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_v
     if (!(part >> a & outside >> b & 1)) continue;
     tried++;
     if (!plane_between(c->space->scene, c->places[b], c->places[a], &normal, &offset)) continue;
-    // Half a lift outside the face, so that rounding takes neither what lies on it nor what lies in its corners.
+    // The plane lies half a lift outside the face, so that rounding includes neither places on the face nor places in
+    // its corners.
     offset += olx_dot(normal, c->places[b]) > offset ? 0.5f * c->lift : -0.5f * c->lift;
     const uint64_t before = in_front(c, inside | outside, normal, offset);
     const bool first = before >> a & 1;
@@ -244,8 +242,8 @@ static bool shut_out(const cell_places *c, uint64_t region, uint64_t part, olx_v
   return most > 0;
 }
 
-// The side of a part, and outer faces around it, one after the other: what they shut out has no cell, and no light from
-// within.
+// Builds the side of a part, and outer faces around it, one after the other: what these shut out has no cell, and no
+// light from within.
 static uint32_t make_shell(cell_places *c, uint64_t part, uint64_t region, uint32_t faces) {
   olx_volume_split split;
   bool inside_before;
@@ -264,7 +262,8 @@ static uint32_t make_end(cell_places *c, uint64_t set, uint64_t region) {
   return part ? make_shell(c, part, region, OUTER_FACES) : 0;
 }
 
-// `region`: all places on this side of the planes so far; `set`: those of them that are in the space.
+// Makes the entry of a set of places. `region` has all places on this side of the planes so far, `set` those of them
+// that are in the space.
 static uint32_t make_entry(cell_places *c, uint64_t set, uint64_t region, uint32_t depth) {
   olx_volume_split split;
   uint64_t front;

@@ -1,5 +1,5 @@
-// The sides of a cell of the irradiance volume: the parts of its space that surfaces keep apart, and for each the
-// places whose light stands for the cell's corners there.
+// The sides of a cell of the irradiance volume: the parts of its space that surfaces keep apart, and for each part the
+// places whose light represents the cell's corners there.
 #ifndef OLX_BAKE_VOLUME_SIDES_H
 #define OLX_BAKE_VOLUME_SIDES_H
 
@@ -23,8 +23,8 @@ typedef struct olx_volume_sides {
 
 olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner);
 
-// The sides of the cube with that low corner; places will be looked up `lift` metres before their surface. Depends on
-// the arguments alone.
+// Finds the sides of the cube with that low corner; places will be looked up `lift` metres in front of their surface.
+// The result depends on the arguments alone.
 void olx_volume_sides_find(const olx_volume_space *space, olx_vec3 low, float side, float lift,
                            olx_volume_sides *sides);
 

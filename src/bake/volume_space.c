@@ -7,11 +7,6 @@
 
 enum { OUTSIDE = 2 }; // label of voxels
 
-static bool clear(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 // The voxels around a place, itself first.
 typedef struct voxel_range {
   int32_t low[3], high[3];
@@ -38,7 +33,7 @@ static size_t voxel_index(const olx_voxels *v, int32_t x, int32_t y, int32_t z) 
 
 static bool is_reached(const olx_volume_space *s, size_t voxel) { return s->space.reachable[voxel] & OLX_REACHABLE; }
 
-// Floods from the voxel of a probe, or where surfaces touch that, from one beside it that the probe sees.
+// Floods from the voxel of a probe or, where surfaces touch that voxel, from a neighbouring one that the probe sees.
 static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels, size_t *stack) {
   const olx_voxels *v = &s->space.voxels;
   if (olx_voxel_at(v, position) == OLX_NO_VOXEL) return;
@@ -47,14 +42,14 @@ static void flood_from(olx_volume_space *s, olx_vec3 position, uint32_t *labels,
     for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
       for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
         const size_t voxel = voxel_index(v, x, y, z);
-        if (labels[voxel] != 0 || !clear(s->scene, position, olx_voxel_centre(v, voxel))) continue;
+        if (labels[voxel] != 0 || !olx_bvh_is_clear(s->scene->bvh, position, olx_voxel_centre(v, voxel))) continue;
         olx_voxels_flood(v, voxel, 1, labels, stack);
       }
     }
   }
 }
 
-// Floods from the faces of the box what the probes' floods left.
+// Floods, from the faces of the box, the voxels that the probes' floods have not reached.
 static void flood_from_outside(olx_volume_space *s, uint32_t *labels, size_t *stack) {
   const olx_voxels *v = &s->space.voxels;
   for (size_t i = 0; i < v->total; i++) {
@@ -122,7 +117,7 @@ bool olx_volume_space_touches(const olx_volume_space *s, olx_vec3 low, olx_vec3 
 
 static bool is_outside(const olx_volume_space *s, size_t voxel) { return s->outside[voxel]; }
 
-// Whether the place is in a voxel of a kind without surfaces, or sees such a one beside it.
+// Returns whether the place is in a voxel of a kind without surfaces, or sees such a voxel beside it.
 static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind)(const olx_volume_space *, size_t)) {
   const olx_voxels *v = &s->space.voxels;
   const size_t own = olx_voxel_at(v, place);
@@ -132,7 +127,7 @@ static bool belongs_to(const olx_volume_space *s, olx_vec3 place, bool (*is_kind
     for (int32_t y = around.low[1]; y <= around.high[1]; y++) {
       for (int32_t x = around.low[0]; x <= around.high[0]; x++) {
         const size_t voxel = voxel_index(v, x, y, z);
-        if (is_kind(s, voxel) && clear(s->scene, place, olx_voxel_centre(v, voxel))) return true;
+        if (is_kind(s, voxel) && olx_bvh_is_clear(s->scene->bvh, place, olx_voxel_centre(v, voxel))) return true;
       }
     }
   }

@@ -12,18 +12,19 @@ typedef struct olx_volume_space {
 } olx_volume_space;
 
 // Floods `resolution` voxels along the longest side from the scene's cameras, as placement does, and from positions
-// with flags[i] == 0. A scene without such space is no error.
+// with flags[i] == 0. It is not an error when a scene has no such space.
 olx_result olx_volume_space_create(const olx_scene *scene, const olx_vec3 *positions, const uint8_t *flags,
                                    uint32_t count, uint32_t resolution, uint32_t threads, olx_volume_space *space);
 void olx_volume_space_free(olx_volume_space *space);
 
-// Whether a voxel that the flood reached is in the box, or within a voxel of it.
+// Returns whether a voxel that the flood reached is in the box, or within a voxel of it.
 bool olx_volume_space_touches(const olx_volume_space *space, olx_vec3 low, olx_vec3 high);
-// Whether a place is in that space: in such a voxel, or where a surface is near, in sight of the middle of one beside
-// it.
+// Returns whether a place is in the volume's space: in a voxel that the flood reached or, where a surface is near, in
+// sight of the middle of such a voxel beside it.
 bool olx_volume_space_holds(const olx_volume_space *space, olx_vec3 place);
-// Whether a place is not, but beyond all voxels, or in the same way in voxels outside. What is shut in, such as the
-// inside of a table's leg, is not shut out.
+// Returns whether a place is outside the volume's space: beyond all voxels, in a voxel of the flood from outside or,
+// where a surface is near, in sight of one. Enclosed space, such as the inside of a table's leg, does not count as
+// outside.
 bool olx_volume_space_shuts_out(const olx_volume_space *space, olx_vec3 place);
 
 #endif

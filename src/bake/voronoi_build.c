@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Neighbours in directions closer than about this cosine's last step count as one direction; the nearer one comes
+// Cosines are rounded down to multiples of 1 / COSINE_STEPS. Of neighbours with equal cosines the nearer one comes
 // first.
 static const float COSINE_STEPS = 65536.0f;
 
@@ -35,7 +35,7 @@ static bool is_better(const candidate *a, const candidate *b) {
   return a->probe < b->probe;
 }
 
-// Put a candidate in its place among the best.
+// Inserts a candidate among the best, in order.
 static void consider(candidate best[OLX_CHOICES], uint32_t *known, candidate c) {
   if (*known == OLX_CHOICES && !is_better(&c, &best[OLX_CHOICES - 1])) return;
   uint32_t at = *known < OLX_CHOICES ? (*known)++ : OLX_CHOICES - 1;

@@ -1,4 +1,4 @@
-// Encodes a byte a texel as BC4.
+// Encodes maps of one byte per texel as BC4.
 #ifndef OLX_BLOCK_BC4_ENCODE_H
 #define OLX_BLOCK_BC4_ENCODE_H
 

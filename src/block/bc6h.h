@@ -37,7 +37,7 @@ extern const olx_bc6h_mode olx_bc6h_two_region_modes[OLX_BC6H_TWO_REGION_MODES];
 
 // For each way to divide 16 texels into two regions, a bit for each texel of the second region.
 extern const uint16_t olx_bc6h_shapes[OLX_BC6H_SHAPES];
-// For each such way, the texel of the second region whose index has one bit less.
+// For each way to divide a block, the texel of the second region whose index has one bit less.
 extern const uint8_t olx_bc6h_anchors[OLX_BC6H_SHAPES];
 // Expands a quantised number of `bits` bits to 16 bits.
 static inline uint32_t olx_bc6h_unquantize(uint32_t code, uint32_t bits) {

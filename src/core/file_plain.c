@@ -47,7 +47,7 @@ olx_result olx_write_file(const char *path, const void *data, size_t size_bytes)
   return refuse(path);
 }
 
-// Compares paths, because C17 cannot tell whether two of them are the same file.
+// Compares paths, because C17 cannot determine whether two paths name the same file.
 bool olx_same_file(const char *a, const char *b) { return strcmp(a, b) == 0; }
 
 static olx_result read_whole(const char *path, FILE *stream, olx_mapped_file *file) {

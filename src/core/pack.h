@@ -74,7 +74,8 @@ static inline olx_vec3 olx_r11g11b10f_unpack(uint32_t packed) {
 // VK_FORMAT_E5B9G9R9_UFLOAT_PACK32. Negative numbers and NaN become 0; numbers that are too large become
 // OLX_RGB9E5_MOST.
 static inline uint32_t olx_rgb9e5_pack(olx_vec3 c) {
-  const float red = c.x > 0.0f ? fminf(c.x, OLX_RGB9E5_MOST) : 0.0f, green = c.y > 0.0f ? fminf(c.y, OLX_RGB9E5_MOST) : 0.0f,
+  const float red = c.x > 0.0f ? fminf(c.x, OLX_RGB9E5_MOST) : 0.0f,
+              green = c.y > 0.0f ? fminf(c.y, OLX_RGB9E5_MOST) : 0.0f,
               blue = c.z > 0.0f ? fminf(c.z, OLX_RGB9E5_MOST) : 0.0f;
   const float most = fmaxf(red, fmaxf(green, blue));
   const uint32_t bits = olx_float_bits(most), least = 111u << 23; // 2^-16

@@ -1,5 +1,5 @@
 // Creates temporary files: unnamed where the file system supports them (O_TMPFILE), else named and locked, so that
-// files still being written can be told from files that a dead program left.
+// files still being written can be distinguished from files that a dead program left.
 #include "core/temporary.h"
 
 #include "core/sampling.h"
@@ -73,7 +73,8 @@ static int create_unnamed(int folder, mode_t mode) {
   return -1;
 }
 
-// Locks a file that was just created. False when another program took it for a dead program's and removes it.
+// Locks a file that was just created. Returns false when another program has mistaken it for a dead program's file and
+// removes it.
 static bool lock_named(int descriptor) {
   struct stat status;
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;

@@ -20,7 +20,8 @@ typedef struct olx_cube_grid {
 
 static inline size_t olx_cube_voxels(const olx_cube_grid *g) { return (size_t)g->size[0] * g->size[1] * g->size[2]; }
 
-// The side that a surface whose normal has this coordinate reads along an axis: 0 to 5 are +x, -x, +y, -y, +z and -z.
+// Returns the side that a surface whose normal has this coordinate reads along an axis: 0 to 5 are +x, -x, +y, -y, +z
+// and -z.
 static inline uint32_t olx_cube_side(uint32_t axis, float coordinate) { return 2 * axis + (coordinate < 0.0f ? 1 : 0); }
 
 // What a look-up reads at a place: eight voxels with their weights, which sum to 1.
@@ -47,7 +48,7 @@ typedef struct olx_cubes {
   bool *served; // for each voxel: whether the field's volume has a cell at its centre
 } olx_cubes;
 
-// Reserves memory for the values; nothing is set. Free it with olx_cubes_free, also after a failure.
+// Reserves memory for the values and sets none of them. The caller frees it with olx_cubes_free, also after a failure.
 olx_result olx_cubes_create(const olx_cube_grid *grid, olx_cubes *cubes);
 void olx_cubes_free(olx_cubes *cubes);
 

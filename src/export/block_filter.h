@@ -14,7 +14,7 @@ enum {
   OLX_FILTERS = 8
 };
 
-// Whether a filter exists for elements of that many bytes: 1, 2, 4 or 8.
+// Returns whether a filter exists for elements of that many bytes: 1, 2, 4 or 8.
 bool olx_filter_exists(uint32_t filter, uint32_t element_bytes);
 
 // Applies a filter. `room` is as large as the data. Bytes after the last whole element are unchanged. Returns `data` or

@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-// The weight of what was captured, beside that of 1 that the surfaces of a voxel have on each side; for voxels in free
-// space, and for those inside geometry, of which no capture knows anything.
+// The weight of captured values, where the surfaces of a voxel have a weight of 1 on each side: for voxels in free
+// space, and for those inside geometry, where captured values are only spread from neighbours.
 static const float SERVED_WEIGHT = 0.02f, INSIDE_WEIGHT = 0.002f;
 
 enum { POINTS_PER_JOB = 4096 };
@@ -24,7 +24,7 @@ typedef struct cube_fit {
   float momentum;
 } cube_fit;
 
-// The light that the engine shows at a point of a grid with these values.
+// Returns the light that the engine shows at a point of a grid with these values.
 static olx_vec3 look_up(const olx_vec3 *values, size_t voxels, const olx_cube_steps *steps, const olx_cube_point *p) {
   olx_vec3 sum = {0};
   for (uint32_t axis = 0; axis < 3; axis++) {

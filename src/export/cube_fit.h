@@ -8,8 +8,8 @@
 enum { OLX_CUBE_FIT_ROUNDS = 32 };
 
 // Changes captured cubes so that look-ups at the points come closest to their light: least squares over all values at
-// least 0, with a small weight on staying at what was captured. Values are the same to the last bit at any number of
-// threads.
+// least 0, with a small weight that keeps values near what was captured. Values are the same to the last bit at any
+// number of threads.
 olx_result olx_cubes_fit(olx_cubes *cubes, const olx_cube_points *points, uint32_t threads, olx_task *task);
 
 // How well look-ups show surfaces.

@@ -20,7 +20,7 @@ enum {
   SALT_SPACE = 0x43554245
 };
 
-// The weight of free space in a voxel beside that of its surfaces, which is 1.
+// The weight of free space in a voxel, where the weight of the voxel's surfaces is 1.
 static const float SPACE_WEIGHT = 0.05f;
 
 typedef struct collection {
@@ -63,7 +63,7 @@ static void read_probe(void *user, uint32_t probe) {
   }
 }
 
-// A place in the box, and a normal; free space or not.
+// Draws a place in the box, in free space or not, and a normal.
 static olx_cube_point draw_point(const collection *c, uint32_t i) {
   const olx_cube_grid *g = c->grid;
   const olx_vec3 size = olx_mul(olx_v3((float)g->size[0], (float)g->size[1], (float)g->size[2]), g->spacing);
@@ -85,7 +85,7 @@ static void draw_points(void *user, uint32_t job) {
   for (uint32_t i = first; i < first + SPACE_JOB_POINTS && i < c->space; i++) points[i] = draw_point(c, i);
 }
 
-// The side that a point's normal is nearest to.
+// Returns the side that a point's normal is nearest to.
 static uint32_t main_side(const olx_cube_point *p) {
   const uint32_t axis =
       p->shares[0] >= p->shares[1] ? (p->shares[0] >= p->shares[2] ? 0 : 2) : (p->shares[1] >= p->shares[2] ? 1 : 2);

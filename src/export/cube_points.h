@@ -24,9 +24,9 @@ typedef struct olx_cube_points {
 } olx_cube_points;
 
 // Collects points for a grid: of surfaces from the maps of all probes outside geometry, evenly over each map, up to 64
-// for each voxel of the grid and 2^18 in all; and 16 for each voxel in free space, up to 2^17. Points of one voxel
-// that face the same way share one weight, so that nearby and distant surfaces count alike, and free space less than
-// surfaces. Free it with olx_cube_points_free, also after a failure.
+// for each voxel of the grid and 2^18 in all; and 16 for each voxel in free space, up to 2^17. Points of one voxel that
+// face the same way share one weight, so that nearby and distant surfaces count alike, and free space counts less than
+// surfaces. The caller frees the points with olx_cube_points_free, also after a failure.
 olx_result olx_cube_points_collect(const olx_field *field, const olx_cube_grid *grid, uint32_t threads,
                                    olx_cube_points *points);
 void olx_cube_points_free(olx_cube_points *points);

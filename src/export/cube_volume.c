@@ -40,7 +40,7 @@ static olx_result check_settings(const olx_cubes_settings *s) {
   return olx_fail(OLX_ERROR_ARGUMENT, "voxels of %g m: either a size or a spacing above 0", (double)s->spacing_metres);
 }
 
-// The sides of the scene's bounds with their margin.
+// Finds the sides of the scene's bounds with their margin.
 static void find_extents(const olx_field *field, float extents[3]) {
   const olx_vec3 bounds = olx_sub(field->info.scene.bounds_max, field->info.scene.bounds_min);
   olx_store3(extents, olx_add(bounds, olx_splat(2.0f * MARGIN * olx_max3(bounds))));
@@ -85,7 +85,7 @@ static void describe_grid(const olx_field *field, const olx_cube_grid *grid, olx
 
 // ---- The texture
 
-// The index of a voxel's texel for a side.
+// Returns the index of a voxel's texel for a side.
 static size_t texel_of(const olx_cube_grid *g, size_t voxel, uint32_t side) {
   const size_t x = voxel % g->size[0], y = voxel / g->size[0] % g->size[1], z = voxel / g->size[0] / g->size[1];
   const size_t row = y + (side & 1) * g->size[1], slice = z + (side / 2) * (size_t)g->size[2];
@@ -101,7 +101,7 @@ static void pack_texels(const olx_cubes *cubes, uint32_t *texels) {
   }
 }
 
-// The text of the file's own key; NULL: out of memory. Give it to cJSON_free.
+// Returns the text of the file's own key; NULL when memory runs out. The caller frees it with cJSON_free.
 static char *transform_text(const olx_cubes_info *info) {
   cJSON *object = cJSON_CreateObject();
   cJSON_AddItemToObject(object, "translation", cJSON_CreateDoubleArray(info->translation, 3));

@@ -69,7 +69,7 @@ static const uint32_t filters[] = {0,
                                    OLX_FILTER_COLORS | OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES};
 enum { FILTER_COUNT = sizeof filters / sizeof *filters, FINALISTS = 2 };
 
-// The filters after which the block is smallest at a fast level, best first; UINT32_MAX where there are fewer.
+// Finds the filters after which the block is smallest at a fast level, best first; UINT32_MAX where there are fewer.
 static void find_finalists(block_packer *b, const uint8_t *source, size_t size_bytes, uint32_t element_bytes,
                            uint32_t finalists[FINALISTS]) {
   size_t sizes[FINALISTS];
@@ -145,7 +145,7 @@ static olx_result finish_chunk(field_packer *p, uint32_t index, olx_file_chunk c
   return OLX_OK;
 }
 
-// The unit that filters work on in bytes: a texel or a number.
+// Returns the unit that filters work on in bytes: a texel or a number.
 static uint32_t filter_element(uint32_t element_bytes) {
   return element_bytes == 1 || element_bytes == 2 || element_bytes == 4 || element_bytes == 8 ? element_bytes
          : element_bytes % 4 == 0                                                             ? 4

@@ -25,8 +25,8 @@ typedef struct volume_part {
   uint32_t place[3], parts;
 } volume_part;
 
-// Number of halvings of the cube that led to the cell behind an entry; OLX_VOLUME_LEVELS + 1 where both sides of all
-// splits are empty.
+// Returns the number of halvings of the cube that led to the cell behind an entry; OLX_VOLUME_LEVELS + 1 where both
+// sides of all splits are empty.
 static uint32_t cell_level(const olx_volume *v, uint32_t entry, uint32_t depth) {
   if ((entry & OLX_VOLUME_KIND) == OLX_VOLUME_CELL) return entry >> OLX_VOLUME_LEVEL_SHIFT & 7u;
   if ((entry & OLX_VOLUME_KIND) != OLX_VOLUME_SPLIT || depth == OLX_VOLUME_MOST_SPLITS) return OLX_VOLUME_LEVELS + 1;

@@ -17,7 +17,7 @@ typedef struct olx_export_boxes {
 
 // Every function appends to the list; false when memory runs out.
 
-// Appends each cell of the irradiance volume once, whatever sides it has; none in a field without one.
+// Appends each cell of the irradiance volume once, whatever sides it has. A field without a volume has none.
 bool olx_export_volume_cells(const olx_field *field, olx_export_boxes *boxes);
 // Appends the bricks in which some cell lists a probe: those that are divided into cells, or those that are not.
 bool olx_export_bricks(const olx_field *field, bool divided, olx_export_boxes *boxes);

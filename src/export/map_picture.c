@@ -20,13 +20,13 @@ typedef struct map_image {
   olx_map_projection projection;
 } map_image;
 
-// The direction of a point: u and v from 0 to 1 across and down the whole image.
+// Returns the direction of a point: u and v from 0 to 1 across and down the whole image.
 static olx_vec3 latlong_direction(float u, float v) {
   const float around = (u - 0.5f) * 2.0f * OLX_PI, down = v * OLX_PI;
   return olx_v3(sinf(down) * cosf(around), cosf(down), sinf(down) * sinf(around));
 }
 
-// The direction of a point: a and b from -1 to 1 across and down a face.
+// Returns the direction of a point: a and b from -1 to 1 across and down a face.
 static olx_vec3 cube_direction(uint32_t face, float a, float b) {
   const olx_vec3 directions[FACES] = {{1.0f, -b, -a}, {-1.0f, -b, a}, {a, 1.0f, b},
                                       {a, -1.0f, -b}, {a, -b, 1.0f},  {-a, -b, -1.0f}};

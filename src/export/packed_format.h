@@ -27,7 +27,7 @@ static inline uint64_t olx_packed_blocks(uint64_t chunk_bytes) {
   return (chunk_bytes + OLX_PACKED_BLOCK_BYTES - 1) / OLX_PACKED_BLOCK_BYTES;
 }
 
-// Size of block `index` of a chunk before packing, in bytes.
+// Returns the size of block `index` of a chunk before packing, in bytes.
 static inline size_t olx_packed_block_bytes(uint64_t chunk_bytes, uint64_t index) {
   const uint64_t left = chunk_bytes - index * OLX_PACKED_BLOCK_BYTES;
   return left < OLX_PACKED_BLOCK_BYTES ? (size_t)left : OLX_PACKED_BLOCK_BYTES;
@@ -41,7 +41,7 @@ typedef struct olx_packed_file {
   uint32_t chunk_count; // number of the field's chunks
 } olx_packed_file;
 
-// Chunk `index` of the field, before packing, and the packed chunk.
+// Returns chunk `index` of the field, before packing, and the packed chunk.
 static inline const olx_file_chunk *olx_packed_field_chunk(const olx_packed_file *packed, uint32_t index) {
   return &olx_chunk_table(&packed->field)[index];
 }
@@ -49,14 +49,14 @@ static inline const olx_file_chunk *olx_packed_chunk_of(const olx_packed_file *p
   return &olx_chunk_table(&packed->file)[index + 1];
 }
 
-// Opens a packed file. To be closed with olx_packed_close, also after a failure.
+// Opens a packed file. The caller closes it with olx_packed_close, also after a failure.
 olx_result olx_packed_open(const char *path, olx_packed_file *packed);
 void olx_packed_close(olx_packed_file *packed);
 olx_packed_info olx_packed_info_of(const olx_packed_file *packed);
 
-// Number of blocks of all chunks of a field, of which only the header and the table are read.
+// Returns the number of blocks of all chunks of a field, of which only the header and the table are read.
 uint64_t olx_packed_count_blocks(const olx_chunk_file *field);
-// Number of blocks that are processed at once; `threads` as in the settings.
+// Returns the number of blocks that are processed at once; `threads` as in the settings.
 uint32_t olx_packed_threads(uint32_t threads);
 
 #endif

@@ -22,11 +22,22 @@ typedef struct olx_chunk_need {
   const char *otherwise; // what the description has instead, for the message that refuses a chunk it does not call for
 } olx_chunk_need;
 
+// Parts of a field that are optional: their chunks are all present, or none is.
+typedef enum olx_field_part {
+  OLX_PART_NONE = 0, // the description decides alone
+  OLX_PART_CLASSIC,
+  OLX_PART_VOLUME,
+  OLX_PART_RELIGHT,
+  OLX_PART_ORIGIN,
+  OLX_FIELD_PARTS
+} olx_field_part;
+
 typedef struct olx_chunk_traits {
   olx_chunk_form form, other;
   bool (*is_other)(const olx_field_info *info);       // whether it is stored in the second form; NULL: never
   uint64_t (*records_of)(const olx_field_info *info); // NULL: any number
   const olx_chunk_need *need;                         // NULL: optional
+  olx_field_part part;                                // to which it belongs
   bool on_device;                                     // a Vulkan device holds it as it is in the file
   // Finds the chunk, and those that go with it, and checks what the runtime relies on; NULL where its size is all.
   // Chunks that the description determines are found before, and rows are opened in order.

@@ -83,8 +83,8 @@ static olx_result check_probe_flags(const olx_field *field, const char *kind, ui
 
 static olx_result fail_at_node(const olx_field *field, const char *what, uint32_t probe, uint32_t level, uint32_t x,
                                uint32_t y, uint16_t code, uint16_t expected) {
-  return olx_fail(OLX_ERROR_FORMAT, "%s: %s distance of probe %u, level %u, node (%u, %u): %#x, but it is %#x", field->name,
-                  what, probe, level, x, y, code, expected);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: %s distance of probe %u, level %u, node (%u, %u): %#x, but it is %#x",
+                  field->name, what, probe, level, x, y, code, expected);
 }
 
 static olx_result check_pyramid_level(const olx_field *field, const olx_pyramid_base *base, uint32_t probe,
@@ -196,8 +196,8 @@ static olx_result check_harmonics(const olx_field *field, uint32_t probe) {
   const uint16_t *halves = field->harmonics + (size_t)field->harmonic_halves * probe;
   const uint32_t bad = olx_harmonics_first_bad(halves, field->bands);
   if (bad == field->harmonic_halves) return OLX_OK;
-  return olx_fail(OLX_ERROR_FORMAT, "%s: irradiance of probe %u: coefficient %u: impossible (code %#x)", field->name, probe,
-                  bad / 3, halves[bad]);
+  return olx_fail(OLX_ERROR_FORMAT, "%s: irradiance of probe %u: coefficient %u: impossible (code %#x)", field->name,
+                  probe, bad / 3, halves[bad]);
 }
 
 olx_result olx_irradiance_verify(const olx_field *field, uint32_t probe) {

@@ -1,10 +1,11 @@
-// Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, deduplicates tiles
-// of emission, and commits the file when it is complete.
+// Writes a field file piece by piece in the order of its probes: adds borders and pyramids to maps, stores repeated
+// tiles of emission once, and commits the file when it is complete.
 #include "field/field_writer.h"
 
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "field/field_chunks.h"
 
 #include <assert.h>
 
@@ -31,20 +32,25 @@ struct olx_field_writer {
   uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and the number of tiles
 };
 
+static void set_bytes(olx_field_layout *layout, olx_chunk_kind kind, size_t size_bytes) {
+  layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = size_bytes;
+}
+
 static void find_present(const olx_field_header *header, olx_field_layout *layout) {
   const olx_field_info *info = &header->info;
-  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) layout->present[k] = olx_chunk_is_required(info, k);
-  layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
-  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
-    const olx_chunk_kind kind = olx_select_chunk(select);
-    layout->present[kind] = (info->select_mask & 1u << select) != 0;
-    layout->shapes[kind].size_bytes = layout->shapes[kind].record_bytes = header->select_bytes[select];
+  const bool has[OLX_FIELD_PARTS] = {[OLX_PART_CLASSIC] = info->classic.size > 0,
+                                     [OLX_PART_VOLUME] = header->volume_bytes > 0,
+                                     [OLX_PART_RELIGHT] = header->relight,
+                                     [OLX_PART_ORIGIN] = olx_origin_is_stored(header->origin)};
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    layout->present[k] = olx_chunk_is_required(info, k) || has[olx_chunk_kinds[k].part];
   }
-  for (uint32_t k = OLX_CHUNK_CLASSIC; k <= OLX_CHUNK_CLASSIC_BOXES; k++) layout->present[k] = info->classic.size > 0;
-  layout->present[OLX_CHUNK_RELIGHT] = header->relight;
-  for (uint32_t k = OLX_CHUNK_VOLUME; k <= OLX_CHUNK_VOLUME_IRRADIANCE; k++) layout->present[k] = header->volume_bytes > 0;
-  layout->shapes[OLX_CHUNK_VOLUME].size_bytes = layout->shapes[OLX_CHUNK_VOLUME].record_bytes = header->volume_bytes;
-  layout->present[OLX_CHUNK_ORIGIN] = olx_origin_is_stored(header->origin);
+  for (olx_select select = OLX_SELECT_VORONOI; select < OLX_SELECT_STORED; select++) {
+    layout->present[olx_select_chunk(select)] = (info->select_mask & 1u << select) != 0;
+    set_bytes(layout, olx_select_chunk(select), header->select_bytes[select]);
+  }
+  set_bytes(layout, OLX_CHUNK_VOLUME, header->volume_bytes);
+  layout->shapes[OLX_CHUNK_LIGHTS].size_bytes = header->light_count * sizeof(olx_field_light);
 }
 
 void olx_field_lay_out(const olx_field_header *header, olx_field_layout *layout) {
@@ -191,7 +197,8 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
   OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_LIGHTS, header->lights), opened);
   OLX_TRY_GOTO(put_classic_header(writer, header), opened);
   OLX_TRY_GOTO(put_volume(writer, header), opened);
-  if (writer->layout.present[OLX_CHUNK_ORIGIN]) OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
+  if (writer->layout.present[OLX_CHUNK_ORIGIN])
+    OLX_TRY_GOTO(put_whole(writer, OLX_CHUNK_ORIGIN, header->origin), opened);
   *created = writer;
   return OLX_OK;
 
@@ -318,15 +325,16 @@ olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint
   return end_probe(writer, index, flags, result);
 }
 
-olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
-                                         const olx_geometry_map *geometry) {
+olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags,
+                                         const uint32_t *radiance, const olx_geometry_map *geometry) {
   OLX_TRY(check_next_probe(writer, index, radiance != NULL, true));
   olx_result result = write_radiance(writer, index, radiance);
   if (result == OLX_OK) result = put_blocks(writer, index, geometry);
   return end_probe(writer, index, flags, result);
 }
 
-// Appends a tile to the file unless it equals the one written before, so that the tiles of an even sky are stored once.
+// Appends a tile to the file unless it equals the previously written one, so that the tiles of an even sky are stored
+// once.
 static olx_result put_tile(olx_field_writer *writer, const uint32_t tile[OLX_EMISSION_TILE_TEXELS], uint32_t *entry) {
   static const uint32_t dark[OLX_EMISSION_TILE_TEXELS] = {0};
   *entry = 0;
@@ -459,7 +467,8 @@ static void end_probes(olx_field_writer *writer) {
 olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, size_t size_bytes) {
   if (!writer->layout.present[OLX_CHUNK_RELIGHT] || writer->relight_written ||
       writer->surfaces_written != writer->info.probes.count) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%s: relighting that the header does not have, twice, or before the last surfaces",
+    return olx_fail(OLX_ERROR_ARGUMENT,
+                    "%s: relighting that the header does not have, twice, or before the last surfaces",
                     writer->file.path);
   }
   olx_chunk_shape *shape = &writer->layout.shapes[OLX_CHUNK_RELIGHT];

@@ -61,10 +61,10 @@ olx_result olx_field_writer_create(const char *path, const olx_field_header *hea
 olx_result olx_field_writer_probe(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
                                   const uint16_t *normal, const uint16_t *distance);
 
-// Writes the maps of one light field probe with its geometry in blocks, where info.maps.geometry_blocks is set, in order
-// of index. Planes are copied.
-olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags, const uint32_t *radiance,
-                                         const olx_geometry_map *geometry);
+// Writes the maps of one light field probe with its geometry in blocks, where info.maps.geometry_blocks is set, in
+// order of index. Planes are copied.
+olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t index, uint8_t flags,
+                                         const uint32_t *radiance, const olx_geometry_map *geometry);
 
 // Writes the surfaces of one light field probe, in order of index.
 olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps);

@@ -34,8 +34,8 @@ static inline uint16_t of_squares(const uint16_t *squares, uint32_t stride, uint
 static inline uint16_t of_nodes(const olx_pyramid_shape *shape, const uint16_t *nodes, uint32_t level, uint32_t x,
                                 uint32_t y, choice choose) {
   // The children of a node lie together in one tile, because the level below has at least four nodes a side.
-  const uint16_t *below =
-      nodes + shape->first[level - 1] + olx_pyramid_index(shape->side[level - 1], x << OLX_PYRAMID_STEP, y << OLX_PYRAMID_STEP);
+  const uint16_t *below = nodes + shape->first[level - 1] +
+                          olx_pyramid_index(shape->side[level - 1], x << OLX_PYRAMID_STEP, y << OLX_PYRAMID_STEP);
   uint16_t chosen = below[0];
   for (uint32_t i = 1; i < 1u << 2 * OLX_PYRAMID_STEP; i++) chosen = choose(chosen, below[i]);
   return chosen;

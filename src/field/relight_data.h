@@ -10,14 +10,10 @@
 #include <octalux/base.h>
 
 enum {
-  OLX_RELIGHT_POINTS = 8,      // of a surfel, at which its direct light is sampled
-  OLX_RELIGHT_BLOCK = 4,       // texels along a side of a block
   OLX_RELIGHT_BLOCK_SITES = 4, // of a block, at most
   OLX_RELIGHT_MOST_SURFELS = 1u << 24,
   OLX_RELIGHT_MOST = 1u << 28, // the most of anything else that the structure counts
 };
-
-#define OLX_RELIGHT_NO_SITE UINT32_MAX // of a block that sees the sky alone
 
 // The header with which RLIT begins; the arrays of olx_relight_data follow in their order.
 typedef struct olx_relight_header {
@@ -37,7 +33,7 @@ typedef struct olx_relight_surfel {
   uint8_t diffuse, specular, f0, alpha;
 } olx_relight_surfel;
 
-_Static_assert(sizeof(olx_relight_surfel) == 108, "docs/format.md");
+_Static_assert(sizeof(olx_relight_surfel) == OLX_RELIGHT_SURFEL_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // A link carries light from one surfel to another: the irradiance at its source, direct and indirect, times the weight.
 typedef struct olx_relight_link {

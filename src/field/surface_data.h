@@ -13,7 +13,8 @@
 
 enum { OLX_EMISSION_TILE_TEXELS = OLX_EMISSION_TILE * OLX_EMISSION_TILE, OLX_FIELD_MOST_LIGHTS = 1 << 20 };
 
-// A light without area (octalux/light.h) as the chunk LITE and devices pack it. Values that its type does not use are 0.
+// A light without area (octalux/light.h) as the chunk LITE and devices pack it. Values that its type does not use are
+// 0.
 typedef struct olx_field_light {
   uint32_t type; // OLX_LIGHT_SUN, _POINT or _SPOT
   olx_vec3 position, direction, emission;
@@ -21,7 +22,7 @@ typedef struct olx_field_light {
   uint32_t zero[4];
 } olx_field_light;
 
-_Static_assert(sizeof(olx_field_light) == 64, "docs/format.md");
+_Static_assert(sizeof(olx_field_light) == OLX_FIELD_LIGHT_WORDS * sizeof(uint32_t), "docs/format.md");
 
 // The surfaces of a field. Material, direct and indirect light are each stored as texels or as blocks; the other
 // pointer is NULL. Emission is always stored as texels.

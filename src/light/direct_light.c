@@ -28,8 +28,8 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   s.has_diffuse = diffuse > 0.0f;
   s.has_specular = olx_bsdf_has_specular(&surface->bsdf);
   if (s.has_specular) {
-    // Clamped away from 0 and 1 while both lobes exist, because the cosine to the half vector may differ greatly from
-    // that to the normal.
+    // Keeps the probability away from 0 and 1 while both lobes exist, because the cosine to the half vector may differ
+    // greatly from that to the normal.
     const float specular = olx_luminance(olx_fresnel(&surface->bsdf, s.view.z));
     s.specular_share = s.has_diffuse ? olx_clamp(specular / (specular + diffuse), 0.1f, 0.9f) : 1.0f;
   }
@@ -165,7 +165,7 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
   return olx_scale(radiance, power_heuristic(ray->pdf, olx_environment_pdf(scene, ray->direction)));
 }
 
-// The emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
+// Returns the emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
 static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const olx_lobe_ray *lobe, uint64_t *rays) {
   if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
   const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);

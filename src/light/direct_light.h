@@ -18,7 +18,7 @@ typedef struct olx_shading {
   float specular_share; // probability that a path which follows one lobe takes the specular one
 } olx_shading;
 
-// Prepares a surface for shading. `direction`: of the ray that found the surface, unit.
+// Prepares a surface for shading. `direction` is the unit direction of the ray that found the surface.
 olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction);
 
 // Radiance through the two lobes of a surface.
@@ -49,11 +49,11 @@ olx_lobe_ray olx_lobe_ray_specular(const olx_shading *shading, olx_vec2 random);
 // Draws a ray from one lobe, which `choice` in [0, 1) selects; its weight is for the sum of both lobes.
 olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_vec2 random);
 
-// Whether rays drawn from lobes can hit light at all: whether there are area lights or an environment.
+// Returns whether rays drawn from lobes can hit light at all: whether there are area lights or an environment.
 bool olx_emitters_can_be_hit(const olx_scene *scene);
 
-// Emission that a ray drawn from a lobe found at `found`, or in the sky, weighted by multiple importance sampling
-// against light samples from `position`.
+// Returns the emission that a ray drawn from a lobe found at `found`, or in the sky, weighted by multiple importance
+// sampling against light samples from `position`.
 olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
                             const olx_lobe_ray *ray);
 olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
@@ -61,8 +61,8 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 // Estimates all direct light: by light samples and by one ray per lobe.
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
-// Direct irradiance in W/m^2 from emitters and the sky, about surface->shading_normal, independent of the material and
-// the view: one light sample per group, and one ray.
+// Returns the direct irradiance in W/m^2 from emitters and the sky, about surface->shading_normal, independent of the
+// material and the view: one light sample per group, and one ray.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
                                uint64_t *rays);
 

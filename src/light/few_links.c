@@ -43,8 +43,8 @@ static int heavier_first(const void *a, const void *b) {
   return p < q ? 1 : p > q ? -1 : 0;
 }
 
-// The threshold of sampling, such that `most` links remain when each lighter link is drawn with the probability weight
-// / threshold.
+// Returns the threshold of sampling, such that `most` links remain when each lighter link is drawn with the probability
+// weight / threshold.
 static float threshold(olx_link_list *l, uint32_t most) {
   double rest = 0.0;
   for (uint32_t i = 0; i < l->count; i++) rest += (double)(l->order[i] = olx_luminance(l->links[i].weight));

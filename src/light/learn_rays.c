@@ -12,7 +12,7 @@ typedef struct lesson {
   olx_guide_sums *sums; // one per pool
 } lesson;
 
-// Luminance that a ray brings, through its link and without it.
+// Returns the luminance that a ray brings, through its link and without it.
 static float brought(const lesson *l, const olx_link *link, float fixed) {
   return fixed + olx_luminance(olx_link_light(link, l->direct, l->irradiance));
 }

@@ -30,15 +30,16 @@ typedef struct olx_bounce_keeper {
   olx_result (*save)(void *user, const olx_bounce_state *state); // called after each bounce except the last
 } olx_bounce_keeper;
 
-// Indirect irradiance of surfels in W/m^2, for `direct` irradiance from emitters and the sky, which is not included.
-// Stops before `bounces` when a further bounce would add less than 2^-10 of the light. `passed_on` receives the light
-// that surfaces reflect to others: direct light and all bounces but the last. *done receives the number of bounces.
-// `keeper` may be NULL.
+// Computes the indirect irradiance of surfels in W/m^2, for `direct` irradiance from emitters and the sky, which is not
+// included. Stops before `bounces` when a further bounce would add less than 2^-10 of the light. `passed_on` receives
+// the light that surfaces reflect to others: direct light and all bounces but the last. *done receives the number of
+// bounces. `keeper` may be NULL.
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
                              const olx_vec3 *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
                              olx_vec3 *irradiance, olx_vec3 *passed_on, uint32_t *done);
 
-// Variance of each surfel's mean over its rays, in luminance squared, for surfaces that carry `direct` + `irradiance`.
+// Computes the variance of each surfel's mean over its rays, in luminance squared, for surfaces that carry `direct` +
+// `irradiance`.
 olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
                                 const olx_vec3 *direct, const olx_vec3 *irradiance, float *variance);
 

@@ -49,7 +49,7 @@ static olx_result save_bounce(void *user, const olx_bounce_state *state) {
   return OLX_OK;
 }
 
-// Steps that end in the same round differ in their number of bounces, so that checkpoints are told apart by it.
+// Steps that end in the same round differ in their number of bounces, by which checkpoints are distinguished.
 olx_bounce_keeper olx_light_checkpoint_begin(olx_light_checkpoint *c, olx_scene_light *l, bool all) {
   *c = (olx_light_checkpoint){
       .light = l, .round = 4 * l->round + 2 * (l->phase == OLX_LIGHT_DIRECT) + all, .last = olx_seconds()};

@@ -63,7 +63,8 @@ static void view_row(void *user, uint32_t row) {
   v->counts[row] = count;
 }
 
-// Rays along the side of a probe's view: fewer for many probes, because they see the same surfaces.
+// Returns the number of rays along the side of a probe's view: fewer for many probes, because they see the same
+// surfaces.
 static uint32_t view_side(uint32_t map_size, uint32_t probes) {
   uint32_t side = map_size / 2 < MOST_VIEW_SIDE ? map_size / 2 : MOST_VIEW_SIDE;
   while (side > LEAST_VIEW_SIDE && (uint64_t)side * side * probes > MOST_VIEW_RAYS) side /= 2;
@@ -178,7 +179,7 @@ typedef struct direct_job {
   uint64_t *rays;      // one per job
 } direct_job;
 
-// Relative area that a point of a cell represents: points were sampled by rays that spread out.
+// Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
 static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel, const olx_surface_point *point,
@@ -190,7 +191,7 @@ static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel,
   return olx_direct_irradiance(s->scene, &surface, &sampler, rays);
 }
 
-// The mean over points that are spread over the area of the cell, because most of its points lie near probes.
+// Returns the mean over points that are spread over the area of the cell, because most of its points lie near probes.
 static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
   const olx_surface_point *points = d->light->surfels.points + surfel->first_point;
   float area = 0.0f, passed = 0.0f;
@@ -239,8 +240,8 @@ static olx_result begin_direct(olx_scene_light *l) {
   return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
-// The share of the last bounce: the light that surfels receive beyond what they pass on, weighted by their share of the
-// surface.
+// Returns the share of the last bounce: the light that surfels receive beyond what they pass on, weighted by their
+// share of the surface.
 static double last_bounce(const olx_scene_light *l) {
   double last = 0.0, all = 0.0;
   for (uint32_t i = 0; i < l->visible; i++) {
@@ -297,7 +298,7 @@ static olx_result smooth_noise(const olx_scene_light *l, float *variance, float 
   return OLX_OK;
 }
 
-// Standard error of interpolated light around each surfel, relative to the light there.
+// Estimates the standard error of interpolated light around each surfel, relative to the light there.
 static olx_result measure_noise(olx_scene_light *l, float *noise) {
   const uint32_t count = l->surfels.count;
   float *light = olx_allocate(count, sizeof *light);
@@ -316,7 +317,7 @@ static olx_result measure_noise(olx_scene_light *l, float *noise) {
   return result;
 }
 
-// Number of guided rays that reduce a surfel's noise to the bound: 0, or first_rays times a power of two.
+// Returns the number of guided rays that reduce a surfel's noise to the bound: 0, or first_rays times a power of two.
 static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noise, uint32_t most) {
   const float ratio = noise / l->settings.noise;
   const float wanted = olx_light_pool(l, surfel)->spread * l->links.worth[surfel] * (ratio * ratio - 1.0f);
@@ -326,7 +327,7 @@ static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noi
   return rays;
 }
 
-// The most rays per surfel for which there is memory; 0 when there is none.
+// Returns the most rays per surfel for which there is memory; 0 when there is none.
 static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
   for (uint32_t most = MOST_RAYS; most >= l->first_rays; most /= 2) {
     uint64_t links = l->report.links;

@@ -4,8 +4,8 @@
 
 #include "light/light_solution.h"
 
-// The first step, which finds surfaces; the direct light of a range of surfels; and the steps that follow once the rays
-// of a round, or direct light, are complete.
+// The parts of the solution: the first step, which finds surfaces; the direct light of a range of surfels; and the
+// steps that follow once the rays of a round, or direct light, are complete.
 olx_result olx_scene_light_begin(olx_scene_light *light);
 olx_result olx_scene_light_direct(olx_scene_light *light, uint32_t first, uint32_t count, uint64_t *rays);
 olx_result olx_scene_light_settle(olx_scene_light *light);

@@ -17,7 +17,8 @@ static const float LEAST_FOOTPRINTS = 2.0f;
 // Cells with fewer points than this are not divided, because surfaces that so few rays hit reflect little light. The
 // second bound is for hidden surfaces, which rays hit and no probe sees.
 enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
-// Points of a cell that are tested before all are, and the most surfels that a cell gets at a time.
+// The number of points of a cell that are tested before all of them are, and the most surfels that a cell gets at a
+// time.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
 // Within this share of the distance to the nearest surface that a surfel sees, no point is assumed to be occluded from
 // it.
@@ -87,7 +88,7 @@ static place place_of(const olx_scene *scene, const olx_surface_point *p) {
   return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
 }
 
-// Whether nothing lies between two neighbouring places.
+// Returns whether nothing lies between two neighbouring places.
 static bool is_clear(const olx_light_surfels *s, place from, place to) {
   const float lift =
       LIFT_OF_DISTANCE * olx_length(olx_sub(to.position, from.position)) + LIFT_OF_WORLD * s->grid.coarsest;
@@ -103,11 +104,7 @@ bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *s
   return is_clear(s, (place){surface->position, surface->geometric_normal}, (place){surfel->position, surfel->normal});
 }
 
-bool olx_light_surfels_beside(const olx_light_surfels *s, const olx_light_surfel *one, const olx_light_surfel *other) {
-  return is_clear(s, (place){one->position, one->normal}, (place){other->position, other->normal});
-}
-
-// The first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
+// Returns the first of a cell's surfels, from `head` on, that sees the surface; OLX_CELL_NONE when none does.
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
   return head;
@@ -174,9 +171,9 @@ static float least_footprint(const cell_round *r, const cell_work *cell) {
   return least;
 }
 
-// Geometric mean distance to what a surface sees, in units of `side`, and the least distance in metres. The sky counts
-// as the farthest of the other distances. (Logarithms are of ratios to a power of two, so that they do not depend on
-// the unit of length.)
+// Measures the geometric mean distance to what a surface sees, in units of `side`, and the least distance in metres.
+// The sky counts as the farthest of the other distances. (Logarithms are of ratios to a power of two, so that they do
+// not depend on the unit of length.)
 static float explore(const olx_light_surfels *s, const olx_surface *surface, uint64_t cell, float side,
                      float *nearest) {
   olx_ray rays[EXPLORING_RAYS];
@@ -202,7 +199,7 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
   return expf((sum + (float)(EXPLORING_RAYS - found) * logf(farthest)) / EXPLORING_RAYS);
 }
 
-// Whether all points from `first` on are likely to see the chosen one, by a test of some of them.
+// Returns whether all points from `first` on are likely to see the chosen one, by a test of some of them.
 static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
   const uint32_t count = end - first, tried = count < TRIED_POINTS ? count : TRIED_POINTS;
   for (uint32_t i = 0; i < tried; i++) {
@@ -245,7 +242,8 @@ static void make_groups(const cell_round *r, cell_work *cell) {
   }
 }
 
-// Geometric mean distance, in sides of the cell, to what point i sees, of a set of points spread over the cell.
+// Returns the geometric mean distance, in sides of the cell, to what point i sees, one of a set of points spread over
+// the cell.
 static float explore_point(const cell_round *r, const cell_work *cell, uint32_t i) {
   const uint32_t count = cell->end - cell->first;
   const uint32_t offset = (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * EXPLORED_POINTS));
@@ -277,7 +275,7 @@ static void examine_cells(void *user, uint32_t job) {
   for (uint32_t i = job * CELLS_PER_JOB; i < end; i++) examine_cell(r, &r->cells[i]);
 }
 
-// The end of the range of points from `first` on that lie in one cell of `level`.
+// Returns the end of the range of points from `first` on that lie in one cell of `level`.
 static uint32_t end_of_cell(const olx_surface_point *points, uint32_t first, uint32_t end, uint32_t level) {
   const uint64_t key = olx_cell_at_level(points[first].key, level);
   uint32_t low = first + 1, high = end;

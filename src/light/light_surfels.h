@@ -19,7 +19,7 @@ typedef struct olx_surface_point {
 
 olx_surface_point olx_surface_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
                                          float footprint);
-// The surface at a point, with its vertex normal for shading.
+// Returns the surface at a point, with its vertex normal for shading.
 olx_surface olx_surface_point_surface(const olx_scene *scene, const olx_surface_point *point);
 
 typedef struct olx_light_surfel {
@@ -58,13 +58,9 @@ void olx_light_surfels_free(olx_light_surfels *surfels);
 // Adds surfels for points that no cell covers yet. The points are copied; their order does not matter.
 olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_point *points, uint32_t count);
 
-// Whether nothing occludes a nearby surface from a surfel.
+// Returns whether nothing occludes a nearby surface from a surfel.
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
-
-// Whether nothing lies between two neighbouring surfels.
-bool olx_light_surfels_beside(const olx_light_surfels *surfels, const olx_light_surfel *one,
-                              const olx_light_surfel *other);
 
 // The surfel that covers a point.
 typedef struct olx_surfel_found {

@@ -609,7 +609,7 @@ static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {
   return (olx_unit_stage){"light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step};
 }
 
-// The last stored step; 0 when there is none.
+// Returns the last stored step; 0 when there is none.
 static uint32_t last_stored(const olx_unit_store *store) {
   uint32_t step = OLX_LIGHT_MOST_STEPS;
   while (step > 0 && !olx_units_have(store, "light", step)) step--;

@@ -1,4 +1,4 @@
-// Casts the rays of surfels and follows each, through specular reflections, to the surfel whose light it brings.
+// Casts the rays of surfels and follows each, through specular reflections, to the surfel whose light it carries.
 #include "light/links.h"
 
 #include "core/hooks.h"
@@ -171,8 +171,8 @@ typedef struct ray_plan {
   uint32_t seed;
 } ray_plan;
 
-// Draws a ray about the shading normal, cosine-distributed or by the plan's density, and the factor of what it brings;
-// returns false when the ray lies below the surface and brings nothing.
+// Draws a ray about the shading normal, cosine-distributed or by the plan's density, and the factor on the light that
+// it brings; returns false when the ray lies below the surface and brings nothing.
 static bool make_ray(const olx_surface *surface, const ray_plan *plan, uint32_t index, olx_ray *ray, float *factor) {
   olx_vec2 point = olx_stratified2(index, plan->seed);
   float density = 1.0f;

@@ -15,7 +15,7 @@ enum {
   OLX_LINK_CHAIN_MASK = 3
 };
 
-// Flag in `end`: the ray itself found the direct light at its end, and the link does not bring it.
+// Flag in `end`: the ray itself found the direct light at its end, and the link does not carry it.
 #define OLX_LINK_LIT (1u << 31)
 
 #define OLX_LINK_NOWHERE                                                                                               \
@@ -39,8 +39,8 @@ typedef struct olx_link_batch {
 } olx_link_batch;
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
-// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. Sums
-// over rays, of radiance times pi.
+// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They
+// are sums over rays of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];
   float square; // sum over rays of the squared luminance
@@ -62,7 +62,7 @@ olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batc
 void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
                     olx_fixed_light *fixed, uint64_t *rays);
 
-// The point of the unit square from which a surfel's unguided ray was generated.
+// Returns the point of the unit square from which a surfel's unguided ray was generated.
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);
 
 // The light that surfels pass on: direct irradiance, and with it indirect irradiance of all bounces but the last of
@@ -73,12 +73,12 @@ typedef struct olx_passed_light {
   float most; // bound on luminance times pi of a gathered ray: rare bright hits would leave blotches
 } olx_passed_light;
 
-// Indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They are drawn by
-// a pool's density, or evenly when that is NULL.
+// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They
+// are drawn by a pool's density, or evenly when that is NULL.
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
                           uint32_t seed, uint32_t rays, const olx_passed_light *light);
 
-// The weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
+// Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {
   return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
 }
@@ -87,10 +87,11 @@ static inline uint32_t olx_link_end(const olx_link *link) { return link->end & O
 static inline uint32_t olx_link_chain(const olx_link *link) {
   return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
 }
-// Whether the link ends at a surfel.
+// Returns whether the link ends at a surfel.
 static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
 
-// The light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its ray.
+// Returns the light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its
+// ray.
 static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *direct, const olx_vec3 *irradiance) {
   if (!olx_link_brings_light(link)) return olx_splat(0.0f);
   const uint32_t end = olx_link_end(link);
@@ -98,7 +99,7 @@ static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *dire
   return olx_mul(olx_rgb9e5_unpack(link->weight), light);
 }
 
-// The n-th surfel of a batch.
+// Returns the n-th surfel of a batch.
 static inline uint32_t olx_link_surfel(const olx_link_batch *batch, uint32_t n) {
   return batch->surfels ? batch->surfels[n] : batch->first_surfel + n;
 }

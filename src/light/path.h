@@ -20,17 +20,17 @@ typedef struct olx_path_light {
   olx_vec3 indirect; // by way of at least one surface
 } olx_path_light;
 
-// Light that reaches the viewer through one lobe of a surface, along `lobe`, a ray drawn from it.
+// Returns the light that reaches the viewer through one lobe of a surface, along `lobe`, a ray drawn from it.
 olx_path_light olx_path_lobe(olx_path *path, const olx_surface *surface, const olx_lobe_ray *lobe);
 
-// Indirect irradiance in W/m^2 (emitters and sky excluded) at `position` with geometric normal `normal`, from `paths`
-// cosine-distributed paths that start `epsilon` off the surface. Depends on the arguments alone.
+// Returns the indirect irradiance in W/m^2 (emitters and sky excluded) at `position` with geometric normal `normal`,
+// from `paths` cosine-distributed paths that start `epsilon` off the surface. Depends on the arguments alone.
 olx_vec3 olx_path_irradiance(const olx_scene *scene, olx_vec3 position, olx_vec3 normal, float epsilon,
                              uint32_t bounces, uint32_t paths, uint32_t seed);
 
-// Indirect irradiance in W/m^2 (emitters and sky excluded) of a surface about its shading normal, from `paths`
-// cosine-distributed paths; paths below its geometric normal contribute 0. Adds the rays that it casts to *rays.
-// Depends on the arguments alone.
+// Returns the indirect irradiance in W/m^2 (emitters and sky excluded) of a surface about its shading normal, from
+// `paths` cosine-distributed paths; paths below its geometric normal contribute 0. Adds the rays that it casts to
+// *rays. Depends on the arguments alone.
 olx_vec3 olx_path_surface_irradiance(const olx_scene *scene, const olx_surface *surface, uint32_t bounces,
                                      uint32_t paths, uint32_t seed, uint64_t *rays);
 

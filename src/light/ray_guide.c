@@ -57,7 +57,7 @@ void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light) {
   sums->count++;
 }
 
-// Mean squares of the bins; a bin without a ray gets the mean of all.
+// Computes the mean squares of the bins; a bin without a ray gets the mean of all.
 static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BINS]) {
   double all = 0.0;
   for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) all += sums->squares[i];
@@ -66,8 +66,8 @@ static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BIN
   }
 }
 
-// Half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the same
-// source in slightly different directions.
+// Returns half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the
+// same source in slightly different directions.
 static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   float sum = 0.0f, count = 0.0f;
   for (uint32_t k = 0; k < 9; k++) {
@@ -80,7 +80,7 @@ static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
   return 0.5f * sqrtf(squares[bin]) + 0.5f * sum / count;
 }
 
-// The ratio by which the density reduces the variance of a ray, if each bin continues to bring what it brought.
+// Returns the ratio by which the density reduces the variance of a ray, if each bin continues to bring what it brought.
 static float spread_of(const olx_ray_pool *pool, const float squares[OLX_GUIDE_BINS], float mean) {
   float even = 0.0f, guided = 0.0f;
   for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {

@@ -31,7 +31,7 @@ typedef struct olx_ray_guide {
 olx_result olx_ray_guide_create(olx_ray_guide *guide, const olx_light_surfels *surfels);
 void olx_ray_guide_free(olx_ray_guide *guide);
 
-// What rays of even density brought, as sums of luminance and its square.
+// The light that rays of even density brought, as sums of luminance and its square.
 typedef struct olx_guide_sums {
   double light, squares[OLX_GUIDE_BINS];
   uint32_t count, counts[OLX_GUIDE_BINS];

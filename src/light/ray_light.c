@@ -6,7 +6,7 @@
 
 enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on before it is dropped
 
-// The light that the diffuse lobe reflects.
+// Returns the light that the diffuse lobe reflects.
 static olx_vec3 diffuse_light(const olx_scene *scene, const olx_scene_light *light, float indirect,
                               const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 reflectance,
                               olx_sampler *sampler, uint64_t *rays) {

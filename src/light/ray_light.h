@@ -5,9 +5,9 @@
 #include "light/direct_light.h"
 #include "light/scene_light.h"
 
-// Radiance in W/(sr m^2) that surfaces reflect along `ray`, which hit `hit`: direct and solved light from diffuse
-// lobes, after specular reflections on the way. There are at most `bounces` surfaces between emitter and the ray's
-// origin, which is at most as many as the solution has; where that is fewer, the share of the last bounces is
+// Returns the radiance in W/(sr m^2) that surfaces reflect along `ray`, which hit `hit`: direct and solved light from
+// diffuse lobes, after specular reflections on the way. There are at most `bounces` surfaces between emitter and the
+// ray's origin, which is at most as many as the solution has; where that is fewer, the share of the last bounces is
 // subtracted. Emitters and the sky seen by the ray itself are left out. `ray->direction` is unit. Adds the further rays
 // that it casts to *rays.
 olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces, const olx_ray *ray,

@@ -27,9 +27,9 @@ static inline float olx_sampler_next(olx_sampler *s) {
   return olx_unit_float(olx_hash2(seed, s->index));
 }
 
-// An independent sampler for a second path that leaves the same camera sample.
+// Returns an independent sampler for a second path that leaves the same camera sample.
 static inline olx_sampler olx_sampler_split(const olx_sampler *s, uint32_t branch) {
-  return (olx_sampler){.seed = olx_hash2(s->seed, 0x85EBCA6Bu + branch), .index = s->index};
+  return (olx_sampler){.seed = olx_hash2(s->seed, OLX_SALT_BRANCH + branch), .index = s->index};
 }
 
 #endif

@@ -89,7 +89,7 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
 }
 
-// Whether light varies too much between the neighbours to be interpolated.
+// Returns whether light varies too much between the neighbours to be interpolated.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
@@ -115,7 +115,7 @@ static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 li
   return olx_max_each(olx_min_each(sum, olx_add(most, margin)), olx_max_each(olx_sub(least, margin), olx_splat(0.0f)));
 }
 
-// Irradiance of a surfel with one bounce less.
+// Returns the irradiance of a surfel with one bounce less.
 static olx_vec3 before(const olx_scene_light *l, uint32_t surfel) {
   return olx_max_each(olx_sub(l->passed_on[surfel], l->direct[surfel]), olx_splat(0.0f));
 }

@@ -9,7 +9,7 @@
 #include "light/light_settings.h"
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
-// Most memory that links take, in bytes; beyond it, surfels get fewer rays.
+// Returns the most memory that links take, in bytes; beyond it, surfels get fewer rays.
 uint64_t olx_scene_light_most_link_bytes(void);
 
 // Solves the light of surfaces that are visible from the `count` positions with flags[i] == 0. Returns
@@ -19,13 +19,13 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
                                   olx_scene_light **light);
 void olx_scene_light_free(olx_scene_light *light);
 
-// Most surfaces between emitter and lit surface, by the solution's settings.
+// Returns the most surfaces between emitter and lit surface, by the solution's settings.
 uint32_t olx_scene_light_bounces(const olx_scene_light *light);
 
 olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 
-// Indirect irradiance in W/m^2 on the side of the surface from which it was hit, about its vertex normal. Emitters and
-// the sky seen directly are left out.
+// Returns the indirect irradiance in W/m^2 on the side of the surface from which it was hit, about its vertex normal.
+// Emitters and the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
 // The two methods of olx_scene_light_irradiance. Interpolation returns false where surfels do not determine the light
@@ -33,8 +33,8 @@ olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surf
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
 
-// Irradiance as by olx_scene_light_irradiance, with one bounce less. With the surface's direct light it is what a ray
-// that ends there brings to a place with as many bounces as the solution.
+// Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. Together with the surface's direct
+// light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
 // Loads links and points into memory, where the solution was loaded without them. Returns OLX_ERROR_INCOMPLETE when

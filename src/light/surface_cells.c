@@ -38,8 +38,8 @@ static uint32_t cell_coordinate(float from_corner, float finest) {
 
 static uint32_t third(float x) { return x < -1.0f / 3.0f ? 0 : x > 1.0f / 3.0f ? 2 : 1; }
 
-// The bin of a normal: the face of the cube that it points through, and which ninth of that face; normals along the
-// axes lie in the middle.
+// Returns the bin of a normal: the face of the cube that it points through, and which ninth of that face; normals along
+// the axes lie in the middle.
 static uint32_t normal_bin(olx_vec3 n) {
   const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
   if (x >= y && x >= z) return (n.x < 0.0f) * 9 + third(n.y / x) * 3 + third(n.z / x);
@@ -83,7 +83,7 @@ void olx_cell_table_free(olx_cell_table *table) {
   *table = (olx_cell_table){0};
 }
 
-// The slot that holds the key, or the free one where it belongs.
+// Returns the slot that holds the key, or the free one where it belongs.
 static uint32_t find_slot(const olx_cell_table *table, uint64_t key) {
   uint32_t slot = slot_of(key, table->capacity);
   while (table->keys[slot] != 0 && table->keys[slot] != key) slot = (slot + 1) & (table->capacity - 1);

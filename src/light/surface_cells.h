@@ -20,24 +20,27 @@ typedef struct olx_cell_grid {
 
 olx_cell_grid olx_cell_grid_make(olx_vec3 scene_min, olx_vec3 scene_max);
 
-// The key of the finest cell (level 0) at a point of a surface with that normal.
+// Returns the key of the finest cell (level 0) at a point of a surface with that normal.
 uint64_t olx_cell_key(const olx_cell_grid *grid, olx_vec3 position, olx_vec3 normal);
 
-// The key of the cell around another whose side is 2^levels times as long; for a finest cell, the one of that level.
+// Returns the key of the cell around another whose side is 2^levels times as long; for a finest cell, the one of that
+// level.
 static inline uint64_t olx_cell_at_level(uint64_t key, uint32_t levels) {
   const uint64_t bin = key & ((1u << OLX_CELL_BIN_BITS) - 1);
   return ((key >> OLX_CELL_BIN_BITS) >> (3 * levels)) << OLX_CELL_BIN_BITS | bin;
 }
 
-// A sort key of a cell: in this order, the cells of one size within a larger cell are consecutive. In the order of the
-// keys themselves, surfaces that face other ways would come between them.
-static inline uint64_t olx_cell_order(uint64_t key) { return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS; }
+// Returns a sort key of a cell: in this order, the cells of one size within a larger cell are consecutive. In the order
+// of the keys themselves, surfaces that face other ways would come between them.
+static inline uint64_t olx_cell_order(uint64_t key) {
+  return key << (64 - OLX_CELL_BIN_BITS) | key >> OLX_CELL_BIN_BITS;
+}
 
 static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {
   return ldexpf(grid->finest, (int)level);
 }
 
-// The centre of the cube of `level` that holds a point.
+// Returns the centre of the cube of `level` that holds a point.
 olx_vec3 olx_cell_middle(const olx_cell_grid *grid, olx_vec3 position, uint32_t level);
 
 // A table from cells to values below OLX_CELL_NONE. Any number of threads may read while no thread adds.
@@ -53,7 +56,7 @@ olx_result olx_cell_table_create(olx_cell_table *table, uint32_t expected);
 void olx_cell_table_free(olx_cell_table *table);
 // Sets the value of a cell, adding the cell when it is missing. Fails when memory runs out.
 olx_result olx_cell_table_set(olx_cell_table *table, uint64_t key, uint32_t value);
-// The value of a cell; OLX_CELL_NONE when it is not in the table.
+// Returns the value of a cell; OLX_CELL_NONE when it is not in the table.
 uint32_t olx_cell_table_get(const olx_cell_table *table, uint64_t key);
 
 #endif

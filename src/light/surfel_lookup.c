@@ -39,7 +39,7 @@ static olx_result add_entry(entry_list *list, uint64_t cube, uint32_t surfel) {
   return OLX_OK;
 }
 
-// The key of a cube, like that of a cell but without a normal.
+// Returns the key of a cube, like that of a cell but without a normal.
 static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t level) {
   return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
 }

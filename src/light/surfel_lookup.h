@@ -25,8 +25,8 @@ typedef struct olx_surfel_weights {
   float weight[OLX_NEIGHBOURS_MOST];
 } olx_surfel_weights;
 
-// The linear fit at `surface` to the surfels around it that lie on the same surface and see it. count is 0 when there
-// is none.
+// Returns the linear fit at `surface` to the surfels around it that lie on the same surface and see it. count is 0 when
+// there is none.
 olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface);
 
 #endif

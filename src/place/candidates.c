@@ -24,7 +24,7 @@ static int compare_far(const void *a, const void *b) {
   return x->voxel < y->voxel ? -1 : x->voxel > y->voxel;
 }
 
-// Whether no neighbour is farther from surfaces.
+// Returns whether no neighbour is farther from surfaces.
 static bool is_maximum(const olx_voxels *v, size_t voxel) {
   uint32_t c[3];
   olx_voxel_coordinates(v, voxel, c);

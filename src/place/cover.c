@@ -47,7 +47,7 @@ typedef struct cover {
   double target;                          // target share of the surfels that can be covered
 } cover;
 
-// Spreads surfels so that about `wanted` are visible, judged by the visible share of a small first sample.
+// Spreads surfels so that about `wanted` of them are visible, estimated from the visible share of a small first sample.
 static olx_result sample_seen(const cover *c, uint32_t wanted, uint32_t seed, olx_surfels *surfels) {
   const uint32_t threads = c->settings->threads;
   OLX_TRY(olx_surfels_create(c->space, c->sight, OLX_SPREAD_RAYS, PILOT_POINTS, seed, threads, surfels));
@@ -108,8 +108,8 @@ static double uncovered_share(const cover *c) {
   return all ? (double)olx_cover_uncovered(&c->state) / (double)all : 0.0;
 }
 
-// The value of a candidate beside the picks. Where coverage determines the number of probes, a candidate that covers
-// nothing more has no value.
+// Returns the value of a candidate beside the picks. Where coverage determines the number of probes, a candidate that
+// covers nothing more has no value.
 static uint64_t worth(const cover *c, uint32_t candidate, double allowed) {
   if (c->state.unfit[candidate]) return 0;
   const olx_gain gain = olx_cover_gain(&c->state, olx_cover_row(&c->state, candidate));
@@ -297,7 +297,7 @@ done:
   return result;
 }
 
-// The weight that may stay uncovered so that another sample also meets the target.
+// Returns the weight that may stay uncovered so that another sample also meets the target.
 static double with_margin(const cover *c, double deviations) {
   const double allowed = 1.0 - c->target, deviation = sqrt(allowed / ((double)c->atlas_size * DENSER));
   const double least = LEAST_AIM * allowed, aim = allowed - deviations * deviation;
@@ -340,7 +340,7 @@ static olx_result choose(cover *c) {
 
 static olx_result prepare(cover *c) {
   const olx_place_settings *settings = c->settings;
-  // The fixed probes and the positions found for uncovered surfels are added to the candidates.
+  // Adds the fixed probes and the positions found for uncovered surfels to the candidates.
   const uint32_t most = settings->candidates + MOST_ROUNDS * TARGETS * TARGET_PLACES;
   const uint64_t affordable = MATRIX_BYTES / most;
   c->atlas_size = settings->surfels < affordable ? settings->surfels : (uint32_t)affordable;

@@ -329,12 +329,6 @@ uint64_t olx_cover_uncovered(const olx_cover_state *s) {
   return sum;
 }
 
-uint64_t olx_cover_total(const olx_cover_state *s) {
-  uint64_t sum = 0;
-  for (uint32_t i = 0; i < s->columns.count; i++) sum += s->settled[i] ? 0 : weight_of(s, i);
-  return sum;
-}
-
 bool olx_cover_keeps_distance(const olx_cover_state *s, olx_vec3 place, uint32_t without) {
   const float least = s->space->scene->probe_rules.min_distance;
   for (uint32_t i = 0; least > 0.0f && i < s->pick_count; i++) {

@@ -86,23 +86,22 @@ void olx_cover_open_free(olx_cover_open *open);
 void olx_cover_find_open(const olx_cover_state *state, olx_cover_open *open);
 void olx_cover_pack(olx_cover_open *open);
 
-// The gains of the candidates that cover at least `least` of the open columns; for the others only `covered`.
+// Computes the gains of the candidates that cover at least `least` of the open columns; for the others only `covered`.
 olx_result olx_cover_gains_from(const olx_cover_state *state, const olx_cover_open *open, uint64_t least,
                                 olx_gain *gains);
-// The row of a position and its gain, if it covers at least `least`; otherwise only `covered`.
+// Returns the row of a position and its gain, if it covers at least `least`; otherwise only `covered`.
 olx_gain olx_cover_look(const olx_cover_state *state, const olx_cover_open *open, olx_vec3 place, uint64_t least,
                         uint8_t *row);
-// The total weight of the columns that are not covered, and of all columns that can be.
+// Returns the total weight of the columns that are not covered.
 uint64_t olx_cover_uncovered(const olx_cover_state *state);
-uint64_t olx_cover_total(const olx_cover_state *state);
 
-// The weight of the packed open columns that a candidate covers.
+// Returns the weight of the packed open columns that a candidate covers.
 uint64_t olx_cover_candidate_weight(const olx_cover_state *state, const olx_cover_open *open, uint32_t candidate);
-// The weight of the open columns that a row covers, whether packed or not.
+// Returns the weight of the open columns that a row covers, whether packed or not.
 uint64_t olx_cover_open_weight(const olx_cover_state *state, const olx_cover_open *open, const uint8_t *row);
 
-// Whether a probe at a position keeps its distance from all picks except `without`. Whether it is buried (inside
-// geometry) is not checked.
+// Returns whether a probe at a position keeps its distance from all picks except `without`. Whether it is buried
+// (inside geometry) is not checked.
 bool olx_cover_keeps_distance(const olx_cover_state *state, olx_vec3 place, uint32_t without);
 
 #endif

@@ -25,7 +25,7 @@ static size_t line_start(const pass *p, uint32_t line) {
   return line;
 }
 
-// Along x: squared distance to the nearest solid voxel of the row.
+// Measures along x: the squared distance to the nearest solid voxel of the row.
 static void measure_row(const pass *p, size_t start) {
   const uint32_t n = p->count[0];
   uint32_t steps = OLX_FAR_VOXELS;
@@ -48,12 +48,12 @@ static int64_t floor_divide(int64_t a, int64_t b) {
   return a % b != 0 && (a < 0) != (b < 0) ? q - 1 : q;
 }
 
-// The last position where the parabola of i is no farther than that of j > i.
+// Returns the last position where the parabola of i is no farther than that of j > i.
 static int64_t last_of(const uint32_t *values, int64_t i, int64_t j) {
   return floor_divide((int64_t)values[j] - values[i] + j * j - i * i, 2 * (j - i));
 }
 
-// Along y or z: the minimum of value[j] + (i - j)^2 over the line, by the lower envelope of those parabolas.
+// Measures along y or z: the minimum of value[j] + (i - j)^2 over the line, by the lower envelope of those parabolas.
 static void measure_line(const pass *p, size_t start, size_t stride, uint32_t *values, uint32_t *owners,
                          uint32_t *begins) {
   const uint32_t n = p->count[p->axis];

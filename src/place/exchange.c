@@ -1,5 +1,5 @@
 // Improves a finished cover by exchanging two of its probes for two candidates at once, which finds gains that no
-// single move brings.
+// single move achieves.
 #include "place/exchange.h"
 
 #include "core/hooks.h"

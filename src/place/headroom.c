@@ -10,14 +10,14 @@
 #include <stdlib.h>
 
 enum { SAMPLES = 1024 };
-// Floors are no steeper than this; fewer hits than that share say nothing.
+// Floors are no steeper than this angle's cosine; when fewer rays than this share hit anything, the height is unknown.
 static const float LEAST_UP = 0.9f, LEAST_HITS = 0.1f;
 
 static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
   return scene->positions[scene->indices[3 * (size_t)triangle + i]];
 }
 
-// The area of a triangle that faces up, seen from above and doubled; 0 of others.
+// Returns the area of a triangle that faces up, seen from above and doubled; 0 of others.
 static double floor_area(const olx_scene *scene, uint32_t triangle) {
   const olx_vec3 a = corner(scene, triangle, 0);
   const olx_vec3 n = olx_cross(olx_sub(corner(scene, triangle, 1), a), olx_sub(corner(scene, triangle, 2), a));

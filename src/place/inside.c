@@ -47,7 +47,7 @@ static void look_around(const olx_scene *scene, olx_vec3 position, olx_depth *de
   depth->sky_share = (float)(sky / (4.0 * (double)OLX_PI));
 }
 
-// The number of back faces minus that of front faces that a ray crosses until it leaves the scene.
+// Returns the number of back faces minus that of front faces that a ray crosses until it leaves the scene.
 static int32_t crossing_balance(const olx_scene *scene, olx_vec3 position, olx_vec3 direction, uint32_t *rays) {
   olx_ray ray = {position, direction, 0.0f, INFINITY};
   int32_t balance = 0;
@@ -95,11 +95,6 @@ typedef struct free_places {
   uint32_t count;
 } free_places;
 
-static bool is_within(const olx_box *box, olx_vec3 p) {
-  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
-         p.z <= box->max.z;
-}
-
 // Adds the eye, and positions half way and near the end of view rays, within the scene's bounds.
 static void look_from(const olx_scene *scene, const olx_camera *camera, free_places *found) {
   const olx_box bounds = {scene->bounds_min, scene->bounds_max};
@@ -116,7 +111,7 @@ static void look_from(const olx_scene *scene, const olx_camera *camera, free_pla
     if (hit.triangle == OLX_NO_HIT) continue;
     for (uint32_t k = 0; k < 2; k++) {
       const olx_vec3 place = olx_madd(camera->eye, direction, (k ? 0.9f : 0.5f) * hit.t);
-      if (is_within(&bounds, place)) found->positions[found->count++] = place;
+      if (olx_box_holds(&bounds, place)) found->positions[found->count++] = place;
     }
   }
 }

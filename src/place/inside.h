@@ -13,17 +13,17 @@ typedef struct olx_depth {
   uint32_t rays;    // rays cast
 } olx_depth;
 
-// Whether a triangle that a ray hits faces away from it, by its winding.
+// Returns whether a triangle that a ray hits faces away from it, by its winding.
 bool olx_faces_away(const olx_scene *scene, uint32_t triangle, olx_vec3 direction);
 
 // Measures the depth of each position.
 olx_result olx_measure_depth(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t threads,
                              olx_depth *depths);
 
-// The depth of a position that is inside nothing: the least depth of positions known to be free, which are the scene's
-// cameras and what they see, or without cameras the box for probes. It depends on the scene alone, so that placement
-// and baking agree on which positions are buried. A room whose walls all face outwards shifts the depth of every
-// position in it by the same amount. Adds the rays cast to *rays, which may be NULL.
+// Finds the depth of a position that is inside nothing: the least depth of positions known to be free, which are the
+// scene's cameras and what they see, or without cameras the box for probes. It depends on the scene alone, so that
+// placement and baking agree on which positions are buried. A room whose walls all face outwards shifts the depth of
+// every position in it by the same amount. Adds the rays cast to *rays, which may be NULL.
 olx_result olx_find_outside(const olx_scene *scene, uint32_t threads, int32_t *outside, uint64_t *rays);
 
 // A position is inside geometry when it sees mostly back faces *and* lies deeper than `outside` (olx_find_outside).

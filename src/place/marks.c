@@ -22,7 +22,7 @@ static olx_result make_room(olx_probe_set *set, uint32_t more) {
   return OLX_OK;
 }
 
-// The number of marks for `count` things, at most MOST_MARKS, evenly thinned.
+// Returns the number of marks for `count` things: they are thinned evenly to at most MOST_MARKS.
 static uint32_t kept_of(uint32_t count) { return count < MOST_MARKS ? count : MOST_MARKS; }
 
 static uint32_t kept_of_tile(uint32_t count, uint32_t tiles) {

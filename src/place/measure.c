@@ -21,7 +21,7 @@ static uint32_t held_out_count(const olx_place_settings *settings) {
   return wanted < LEAST_HELD_OUT ? LEAST_HELD_OUT : wanted > MOST_HELD_OUT ? MOST_HELD_OUT : wanted;
 }
 
-// Number of rays cast from a tile's space, proportional to its voxels.
+// Returns the number of rays cast from a tile's space, proportional to its voxels.
 static uint32_t ray_count(const olx_space *space, const olx_place_settings *settings) {
   if (space->world->tile_total == 1) return held_out_count(settings);
   return (uint32_t)((double)HELD_OUT * settings->surfels * (double)space->start_count / OLX_SETTINGS_VOXELS);

@@ -13,7 +13,8 @@
 #define DEEPEST 0.03f           // share of the radius by which a surface may enter a ball
 enum { MOST_SHRINKS = 64, BALLS_A_JOB = 64, TREE_DEPTH = 64 };
 
-// A node of a balanced k-d tree in an array: the middle of each range divides it, along x, y, z in turn.
+// A node of a balanced k-d tree in an array: the middle element of each range divides the range, along x, y and z in
+// turn.
 typedef struct tree_node {
   float at[3];
   uint32_t index;
@@ -42,7 +43,7 @@ typedef struct range {
   float gap2; // squared distance to the range's side of the dividing plane
 } range;
 
-// The node nearest to `point` within the distance, except `own`; OLX_NO_HIT when there is none.
+// Returns the node nearest to `point` within the distance, except `own`; OLX_NO_HIT when there is none.
 static uint32_t find_nearest(const tree_node *nodes, uint32_t count, olx_vec3 point, float within, uint32_t own) {
   const float p[3] = {point.x, point.y, point.z};
   range stack[TREE_DEPTH] = {{0, count, 0, 0.0f}};

@@ -18,7 +18,7 @@ float olx_fitness(const olx_surfel *surfel, olx_vec3 place, float diagonal) {
   return 0.5f * (olx_min(along / length, 1.0f) + olx_min(length / diagonal, 1.0f));
 }
 
-// The fitness of every surfel, 0 where something occludes it.
+// Computes the fitness of every surfel, 0 where something occludes it.
 static void fitness_row(const olx_space *space, const olx_surfels *surfels, olx_vec3 place, float *row) {
   const olx_scene *scene = space->scene;
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -58,7 +58,7 @@ static inline double join(olx_place_reward kind, double others, float own) {
   return kind == OLX_REWARD_SUM ? others + (double)own : others > (double)own ? others : (double)own;
 }
 
-// The reward of each surfel from all rows except `without` (`count`: all).
+// Computes the reward of each surfel from all rows except `without`; with `count` as `without`, from all.
 static void join_rows(const float *rows, uint32_t count, uint32_t surfels, uint32_t without, olx_place_reward kind,
                       double *joined) {
   memset(joined, 0, surfels * sizeof *joined);
@@ -137,7 +137,7 @@ typedef struct optimizer {
   double best_reward;
 } optimizer;
 
-// The number of surfels that can be seen well and are seen, by the other probes or by `row`.
+// Returns the number of surfels that can be seen well and are seen, by the other probes or by `row`.
 static uint32_t count_seen(const optimizer *o, const float *row) {
   uint32_t seen = 0;
   for (uint32_t i = 0; i < o->surfels->count; i++) {
@@ -161,8 +161,8 @@ static bool may_stand(const optimizer *o, olx_vec3 place, uint32_t probe) {
   return olx_space_allows(o->space, place) && keeps_distance(o, place, probe);
 }
 
-// Half the distance to the nearest surface, at least two voxels, halved once for each time that the probe could not
-// move.
+// Returns half the distance to the nearest surface, at least two voxels, halved once for each time that the probe could
+// not move.
 static float cube_size(const optimizer *o, uint32_t probe) {
   const olx_voxels *v = &o->space->voxels;
   const size_t voxel = olx_voxel_at(v, o->probes[probe].place);
@@ -170,8 +170,8 @@ static float cube_size(const optimizer *o, uint32_t probe) {
   return olx_max(isfinite(room) ? 0.5f * room : 0.0f, 2.0f * v->size) / (float)(1u << o->halvings[probe]);
 }
 
-// Whether a probe may move to a position that sees `row`. As published, it may lose surfels that only it sees; with the
-// reward `best` it may not.
+// Returns whether a probe may move to a position that sees `row`. As published, it may lose surfels that only it sees;
+// with the reward `best` it may not.
 static bool keeps_seen(const optimizer *o, const float *row) {
   return o->settings->reward == OLX_REWARD_SUM || count_seen(o, row) >= o->seen;
 }
@@ -244,7 +244,7 @@ static olx_result step_gibbs(optimizer *o, uint32_t probe, uint32_t round, doubl
   return OLX_OK;
 }
 
-// Whether every surfel that can be seen well is seen at all.
+// Returns whether every surfel that can be seen well is seen at all.
 static bool covers_everything(optimizer *o) {
   join_rows(o->rows, o->count, o->surfels->count, o->count, OLX_REWARD_BEST, o->others);
   for (uint32_t i = 0; i < o->surfels->count; i++) {

@@ -65,7 +65,7 @@ static bool is_core(const olx_space *space, const uint32_t c[3]) {
   return true;
 }
 
-// Whether a step along the axis stays in the piece's cube. Cubes are aligned across tiles.
+// Returns whether a step along the axis stays in the piece's cube. Cubes are aligned across tiles.
 static bool stays(const pieces *p, const uint32_t c[3], int axis, bool forwards) {
   const uint32_t at = (c[axis] + p->space->tile.from[axis]) % p->edge;
   return forwards ? at != p->edge - 1 && c[axis] + 1 < p->space->voxels.count[axis] : at != 0;

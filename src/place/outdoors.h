@@ -7,15 +7,15 @@
 
 #define OLX_OUTDOOR_SKY 0.4f // least sky visible from an outdoor position, as a share of directions
 
-// Whether the viewer is indoors, where little sky is visible: by every camera in the box or, in a scene without
+// Returns whether the viewer is indoors, where little sky is visible: by every camera in the box or, in a scene without
 // cameras, by a good part of the space of all tiles, of which *indoor of *pieces are indoors. Both counts are added to.
 bool olx_cameras_are_indoors(const olx_world *world);
 olx_result olx_count_indoors(const olx_space *space, uint32_t threads, uint64_t *pieces, uint64_t *indoor);
 static inline bool olx_pieces_are_indoors(uint64_t pieces, uint64_t indoor) { return 4 * indoor >= pieces; }
 
-// Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces of the tile's core. From there one
-// sees either sky, and back faces rather than front faces, deeper inside surfaces than `space->outside` (behind walls),
-// or much sky, when the viewer is indoors. No voxels are excluded in scenes that no ray leaves.
+// Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces of the tile's core. From their
+// middle one sees either sky, and back faces rather than front faces, deeper inside surfaces than `space->outside`
+// (behind walls), or much sky, when the viewer is indoors. No voxels are excluded in scenes that no ray leaves.
 olx_result olx_find_outdoors(const olx_space *space, bool indoors, uint32_t threads, uint8_t *excluded);
 
 #endif

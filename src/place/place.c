@@ -70,7 +70,7 @@ uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
   return bytes;
 }
 
-// The most probes of that resolution whose field is expected to fit the budget.
+// Returns the most probes of that resolution whose field is expected to fit the budget.
 static uint32_t affordable(double bytes, uint32_t resolution) {
   uint32_t least = 0, most = OLX_PLACE_PROBES_MOST;
   while (least < most) {

@@ -16,7 +16,7 @@
 #define FORMAT_NAME "octalux probes"
 enum { FORMAT_VERSION = 1, LAST_METHOD = OLX_PLACE_COVER, LAST_ORIGIN = OLX_ORIGIN_MOVED };
 
-// The double that prints with no more digits than the float has.
+// Returns the double that prints with no more digits than the float has.
 static double shortest(float value) {
   char text[40];
   for (int digits = 6; digits < 10; digits++) {
@@ -146,7 +146,7 @@ olx_result olx_probe_set_save(const olx_probe_set *set, const char *path) {
   return result;
 }
 
-// Finds which of the names the text is; false when it is none of them.
+// Finds which of the names the text equals; returns false when it equals none.
 static bool find_name(const cJSON *item, const char *(*name)(uint32_t), uint32_t last, uint32_t *value) {
   if (!cJSON_IsString(item)) return false;
   for (uint32_t i = 0; i <= last; i++) {

@@ -12,34 +12,24 @@ enum { PLACES_A_JOB = 1 << 14 }; // in voxels
 // Least distance of a probe from surfaces, in voxels; the centres of free voxels always keep it.
 #define LEAST_CLEARANCE 0.499f
 
-static bool box_contains(const olx_box *box, olx_vec3 p) {
-  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
-         p.z <= box->max.z;
-}
-
 bool olx_rules_allow(const olx_scene *scene, olx_vec3 p) {
   const olx_probe_rules *rules = &scene->probe_rules;
-  if (rules->has_playable && !box_contains(&rules->playable, p)) return false;
+  if (rules->has_playable && !olx_box_holds(&rules->playable, p)) return false;
   for (uint32_t i = 0; i < rules->forbidden_count; i++) {
-    if (box_contains(&rules->forbidden[i], p)) return false;
+    if (olx_box_holds(&rules->forbidden[i], p)) return false;
   }
   return rules->min_distance <= 0.0f || olx_bvh_distance(scene->bvh, p, rules->min_distance) >= rules->min_distance;
 }
 
 bool olx_space_allows(const olx_space *space, olx_vec3 p) {
   const float least = LEAST_CLEARANCE * space->voxels.size;
-  return olx_space_reaches(space, p) && box_contains(&space->box, p) && olx_rules_allow(space->scene, p) &&
+  return olx_space_reaches(space, p) && olx_box_holds(&space->box, p) && olx_rules_allow(space->scene, p) &&
          olx_bvh_distance(space->scene->bvh, p, least) >= least;
 }
 
 bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p) {
   olx_depth depth = {0};
   return olx_measure_depth(space->scene, &p, 1, 1, &depth) != OLX_OK || olx_depth_is_behind(depth, space->outside);
-}
-
-static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
 }
 
 // Finds the voxels that allow a probe at their centre.
@@ -49,13 +39,13 @@ static void allow_job(void *user, uint32_t index) {
   const size_t first = (size_t)index * PLACES_A_JOB;
   for (size_t i = first; i < first + PLACES_A_JOB && i < v->total; i++) {
     const olx_vec3 centre = olx_voxel_centre(v, i);
-    if (space->reachable[i] && box_contains(&space->box, centre) && olx_rules_allow(space->scene, centre)) {
+    if (space->reachable[i] && olx_box_holds(&space->box, centre) && olx_rules_allow(space->scene, centre)) {
       space->reachable[i] |= OLX_ALLOWED;
     }
   }
 }
 
-// The voxel beyond a face: along axis face / 2, backwards when face is even. OLX_NO_VOXEL at the border.
+// Returns the voxel beyond a face: along axis face / 2, backwards when face is even. OLX_NO_VOXEL at the border.
 static size_t beyond_face(const olx_voxels *v, size_t voxel, uint32_t face) {
   const size_t stride[3] = {1, v->count[0], (size_t)v->count[0] * v->count[1]};
   const uint32_t axis = face / 2;
@@ -81,12 +71,12 @@ bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 
   const olx_vec3 within = {olx_unit_float(olx_hash(seed)), olx_unit_float(olx_hash(seed + 1u)),
                            olx_unit_float(olx_hash(seed + 2u))};
   *place = olx_madd(olx_voxel_centre(v, voxel), olx_sub(within, olx_splat(0.5f)), v->size);
-  if (!box_contains(&space->box, *place)) return false;
+  if (!olx_box_holds(&space->box, *place)) return false;
   if (space->reachable[voxel] & OLX_REACHABLE) return true;
   for (uint32_t face = 0; face < 6; face++) {
     const size_t other = beyond_face(v, voxel, face);
     if (other == OLX_NO_VOXEL || !(space->reachable[other] & OLX_REACHABLE)) continue;
-    if (sees(space->scene, olx_voxel_centre(v, other), *place)) return true;
+    if (olx_bvh_is_clear(space->scene->bvh, olx_voxel_centre(v, other), *place)) return true;
   }
   return false;
 }

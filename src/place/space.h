@@ -10,16 +10,17 @@ olx_result olx_space_open(olx_world *world, uint32_t tile, uint32_t overlap, uin
 void olx_space_free(olx_space *space);
 
 // Draws a position evenly from the space that the viewer can reach: start `nth` of start_count, random numbers from
-// `seed`. False when the position drawn there is outside that space: outside the box, or behind the surface in a fringe
-// voxel.
+// `seed`. Returns false when the position drawn is outside that space: outside the box, or behind the surface in a
+// fringe voxel.
 bool olx_space_draw(const olx_space *space, size_t nth, uint32_t seed, olx_vec3 *place);
 
-// Whether a probe is allowed at a position: in space that matters, outside forbidden boxes, at least min_distance and
-// half a voxel from surfaces. Whether it is buried (inside geometry) is a separate query, because that takes many rays.
+// Returns whether a probe is allowed at a position: in space that matters, outside forbidden boxes, at least
+// min_distance and half a voxel from surfaces. Whether it is buried (inside geometry) is a separate query, because that
+// takes many rays.
 bool olx_space_allows(const olx_space *space, olx_vec3 p);
 bool olx_space_is_inside_geometry(const olx_space *space, olx_vec3 p);
 
-// Whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe at a
+// Returns whether the rules of the description (playable and forbidden boxes, distance to surfaces) allow a probe at a
 // position, wherever the viewer can be.
 bool olx_rules_allow(const olx_scene *scene, olx_vec3 p);
 

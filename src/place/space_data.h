@@ -32,12 +32,12 @@ static inline bool olx_space_reaches(const olx_space *space, olx_vec3 p) {
   return voxel != OLX_NO_VOXEL && (space->reachable[voxel] & OLX_REACHABLE);
 }
 
-// Whether the surface at the point belongs to the tile rather than to a neighbour.
+// Returns whether the surface at the point belongs to the tile rather than to a neighbour.
 static inline bool olx_space_owns(const olx_space *space, olx_vec3 p) {
   return olx_world_tile_of(space->world, p) == space->tile.index;
 }
 
-// Whether the position is in the tile or in one of its neighbours.
+// Returns whether the position is in the tile or in one of its neighbours.
 static inline bool olx_space_is_near(const olx_space *space, olx_vec3 place) {
   const olx_tile at = olx_world_tile(space->world, olx_world_tile_of(space->world, place), 0);
   for (int axis = 0; axis < 3; axis++) {

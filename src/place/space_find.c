@@ -25,11 +25,6 @@ enum {
   MOST_VOXELS_ALONG = 1 << 20
 };
 
-static bool sees(const olx_scene *scene, olx_vec3 from, olx_vec3 to) {
-  const olx_ray ray = {from, olx_sub(to, from), 0.0f, 1.0f};
-  return !olx_bvh_occluded(scene->bvh, &ray);
-}
-
 static bool is_free(const olx_world *w, const uint32_t voxel[3]) {
   const olx_voxel_state state = olx_world_state(w, voxel);
   return state == OLX_VOXEL_CUT_OFF || state == OLX_VOXEL_REACHED;
@@ -45,7 +40,7 @@ static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
     if (!olx_world_at(w, olx_madd(eye, step, w->lattice.size), voxel) || !is_free(w, voxel)) continue;
     const olx_vec3 centre = olx_world_centre(w, voxel);
     const float distance = olx_length(olx_sub(centre, eye));
-    if (distance >= nearest_distance || !sees(w->scene, eye, centre)) continue;
+    if (distance >= nearest_distance || !olx_bvh_is_clear(w->scene->bvh, eye, centre)) continue;
     memcpy(nearest, voxel, sizeof nearest);
     nearest_distance = distance;
   }
@@ -236,7 +231,7 @@ static olx_result leave_out(const olx_space *space, const uint8_t *excluded) {
   return OLX_OK;
 }
 
-// Whether the viewer is indoors, by the space where there are no cameras.
+// Finds whether the viewer is indoors, by the space where there are no cameras.
 static olx_result find_indoors(olx_world *w, uint32_t threads, bool *indoors) {
   uint64_t pieces = 0, indoor = 0;
   *indoors = olx_cameras_are_indoors(w);
@@ -284,8 +279,8 @@ typedef struct sifter {
   olx_result result;
 } sifter;
 
-// Whether space that is cut off would be relevant if it were reached: whether it is not too small, nor inside geometry,
-// behind the scenery or outdoors. Only a few such spaces are sampled.
+// Returns whether space that is cut off would be relevant if it were reached: whether it is not too small, nor inside
+// geometry, behind the scenery or outdoors. Only a few such spaces are sampled.
 static bool would_matter(void *user, const olx_world *w, uint64_t size) {
   sifter *s = user;
   olx_vec3 places[CUT_OFF_SAMPLES];
@@ -330,7 +325,7 @@ static olx_result flood_space(olx_world *w, uint32_t threads) {
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
 }
 
-// The box of interest: the playable one, as far as it is near the scene, or the scene's bounds.
+// Finds the box of interest: the playable one, as far as it is near the scene, or the scene's bounds.
 olx_result olx_space_box(const olx_scene *scene, olx_box *box) {
   const olx_probe_rules *rules = &scene->probe_rules;
   *box = (olx_box){scene->bounds_min, scene->bounds_max};

@@ -164,7 +164,7 @@ static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle
   const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
   const olx_vec3 p = point_on(scene, triangle, uv);
   const float epsilon = olx_surface_epsilon(scene, triangle);
-  // An offset away from edges, where walls meet, like that of the renderer's rays.
+  // Offsets a point away from edges, where walls meet, as the renderer does for its rays.
   const olx_vec3 way = olx_sub(olx_scale(olx_add(a, olx_add(b, c)), 1.0f / 3.0f), p);
   const olx_vec3 moved = olx_madd(p, way, olx_min(1.0f, epsilon / olx_max(olx_length(way), 1e-30f)));
   const olx_vec3 normal = olx_normalize(doubled_area(scene, triangle));
@@ -189,7 +189,7 @@ static bool draw_start(const atlas_maker *m, uint32_t index, olx_vec3 *start) {
   return olx_space_draw(m->ask.space, (size_t)(nth * (double)m->ask.space->start_count), olx_hash(key), start);
 }
 
-// Sets up a ray from there, in a direction of a stratified sequence.
+// Sets up a ray from the drawn origin, in a direction of a stratified sequence.
 static void set_up_ray(const atlas_maker *m, uint32_t index) {
   olx_vec3 start;
   m->sides[2 * index].fate = m->sides[2 * index + 1].fate = OLX_SURFEL_UNSEEN;
@@ -213,7 +213,7 @@ static olx_vec3 hemisphere_direction(olx_vec3 normal, olx_vec2 random) {
   return olx_from_basis(olx_v3(r * cosf(phi), r * sinf(phi), random.x), normal);
 }
 
-// The largest distance from which a surfel is seen well at that cosine; 0 when it is grazing.
+// Returns the largest distance from which a surfel is seen well at that cosine; 0 when it is grazing.
 static float sight_limit(const olx_sight *sight, float cosine) {
   return cosine < sight->min_cosine ? 0.0f : sight->max_footprint * cosine / sight->texel_radians;
 }
@@ -239,9 +239,10 @@ static reach reach_of(const olx_space *space, const olx_ray *ray, const olx_ray_
   return r;
 }
 
-// The union of the bits of voxels along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT where a voxel allows a probe and
-// sees well.
 enum { FIT = 8 };
+
+// Returns the union of the bits of voxels along the ray: OLX_REACHABLE, OLX_ALLOWED, and FIT where a voxel allows a
+// probe and sees well.
 static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const olx_surfel *surfel, const olx_ray *ray,
                          reach r) {
   const float limit = sight_limit(sight, olx_dot(ray->direction, surfel->normal)), step = 0.5f * space->voxels.size;
@@ -255,7 +256,7 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
   return found;
 }
 
-// Whether space that matters is within two voxels.
+// Returns whether space that matters is within two voxels.
 static bool is_near_space(const olx_space *space, olx_vec3 p) {
   for (int32_t i = 0; i < 125; i++) {
     const olx_vec3 step = {(float)(i % 5 - 2), (float)(i / 5 % 5 - 2), (float)(i / 25 - 2)};
@@ -332,7 +333,7 @@ olx_result olx_surfels_ask(const olx_space *space, const olx_sight *sight, const
   return olx_parallel_for((surfels->count + POINTS_A_JOB - 1) / POINTS_A_JOB, threads, ask_job, &a, NULL, 0);
 }
 
-// Whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
+// Returns whether an unseen side sees a voxel within two of it that is free, but cut off from the space that matters.
 static bool faces_cut_off(const olx_space *space, const olx_surfel *surfel) {
   const olx_world *w = space->world;
   for (int32_t i = 0; i < 125; i++) {

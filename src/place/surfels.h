@@ -16,8 +16,8 @@ typedef struct olx_surfels {
   uint32_t count;
   olx_surfel *items; // along the Morton curve, so that neighbours in the array are neighbours in space; none is UNSEEN
   double share;      // share of the whole atlas that a surfel represents: 1 / count
-  // OLX_SPREAD_AREA: number of points on a surface, number of those with no side that is seen; and positions of unseen
-  // sides that face free space which is cut off from the space that matters.
+  // OLX_SPREAD_AREA: the number of points on a surface, the number of those that are seen from neither side, and the
+  // positions of unseen sides that face free space which is cut off from the space that matters.
   uint32_t present, unseen, cut_off_count;
   olx_vec3 *cut_off;
 } olx_surfels;
@@ -34,7 +34,7 @@ typedef struct olx_area_points {
 
 olx_result olx_area_points_create(const olx_world *world, uint32_t points, uint32_t seed, olx_area_points *all);
 void olx_area_points_free(olx_area_points *all);
-// The surfels of both sides of the tile's points, those that are seen, with their fates.
+// Finds the surfels on both sides of the tile's points that are seen, with their fates.
 olx_result olx_area_surfels(const olx_space *space, const olx_sight *sight, const olx_area_points *all,
                             uint32_t threads, olx_surfels *surfels);
 

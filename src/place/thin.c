@@ -77,7 +77,7 @@ static olx_result look_in(thinner *t, const olx_space *space, const olx_surfels 
   return result;
 }
 
-// Rays per voxel of a tile's space.
+// Returns the number of rays per voxel of a tile's space.
 static double ray_density(const olx_tiling *tiling) {
   const double wanted = DENSER * (double)tiling->settings->surfels / OLX_SETTINGS_VOXELS;
   const double affordable = MOST_RAYS / (double)tiling->world->reached_count;
@@ -135,7 +135,7 @@ static void keep(thinner *t, uint32_t probe) {
   }
 }
 
-// Counts what all probes cover.
+// Counts the surfels that all probes together cover.
 static void count_coverable(thinner *t) {
   const uint32_t least = t->tiling->settings->views;
   for (size_t i = 0; i < t->seen_count; i++) {

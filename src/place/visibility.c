@@ -32,25 +32,6 @@ void olx_sight_row(const olx_space *space, const olx_sight *sight, olx_vec3 plac
   }
 }
 
-typedef struct matrix_job {
-  const olx_space *space;
-  const olx_sight *sight;
-  const olx_vec3 *places;
-  const olx_surfels *surfels;
-  uint8_t *qualities;
-} matrix_job;
-
-static void row_job(void *user, uint32_t index) {
-  const matrix_job *m = user;
-  olx_sight_row(m->space, m->sight, m->places[index], m->surfels, m->qualities + (size_t)m->surfels->count * index);
-}
-
-olx_result olx_visibility_matrix(const olx_space *space, const olx_sight *sight, const olx_vec3 *places, uint32_t count,
-                                 const olx_surfels *surfels, uint32_t threads, olx_task *task, uint8_t *qualities) {
-  matrix_job m = {space, sight, places, surfels, qualities};
-  return olx_parallel_for(count, threads, row_job, &m, task, 1);
-}
-
 typedef struct view_counter {
   const olx_space *space;
   const olx_sight *sight;

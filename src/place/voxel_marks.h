@@ -11,7 +11,8 @@ typedef struct olx_lattice {
   uint32_t count[3];
 } olx_lattice;
 
-// Called for a cube that a surface touches, from any thread, possibly several times or concurrently for the same cube.
+// Receives a cube that a surface touches. It is called from any thread, possibly several times or concurrently for the
+// same cube.
 typedef void (*olx_mark_cell)(void *user, const int32_t cell[3]);
 
 // Marks every cube that a triangle touches, conservatively. For an alpha-masked triangle only cubes in which samples

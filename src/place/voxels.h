@@ -24,10 +24,11 @@ typedef struct olx_voxels {
 void olx_voxels_fit(olx_box box, uint32_t resolution, olx_voxels *voxels);
 void olx_voxels_free(olx_voxels *voxels);
 
-// Exact Euclidean distance transform (Meijster et al. 2000): squared distances to the nearest cell with solid != 0.
+// Computes the exact Euclidean distance transform (Meijster et al. 2000): squared distances to the nearest cell with
+// solid != 0.
 olx_result olx_distance_transform(const uint8_t *solid, const uint32_t count[3], uint32_t threads, uint32_t *distance);
 
-// The voxel that holds the point; OLX_NO_VOXEL outside.
+// Returns the voxel that holds the point; OLX_NO_VOXEL outside.
 static inline size_t olx_voxel_at(const olx_voxels *v, olx_vec3 p) {
   const olx_vec3 q = olx_scale(olx_sub(p, v->low), 1.0f / v->size);
   if (!(q.x >= 0.0f && q.y >= 0.0f && q.z >= 0.0f)) return OLX_NO_VOXEL;
@@ -47,8 +48,8 @@ static inline olx_vec3 olx_voxel_centre(const olx_voxels *v, size_t index) {
   return olx_madd(v->low, olx_v3((float)c[0] + 0.5f, (float)c[1] + 0.5f, (float)c[2] + 0.5f), v->size);
 }
 
-// Metres from the voxel's centre to the nearest solid voxel's centre; the surface itself is at most size * sqrt(3) / 2
-// nearer or farther. Infinite without solid voxels.
+// Returns the distance in metres from the voxel's centre to the nearest solid voxel's centre; the surface itself is at
+// most size * sqrt(3) / 2 nearer or farther. Infinite without solid voxels.
 static inline float olx_voxel_distance(const olx_voxels *v, size_t index) {
   return v->distance[index] == OLX_FAR_VOXELS ? INFINITY : v->size * sqrtf((float)v->distance[index]);
 }
@@ -57,7 +58,8 @@ static inline float olx_voxel_distance(const olx_voxels *v, size_t index) {
 // their number. `stack` has room for `total` indices.
 size_t olx_voxels_flood(const olx_voxels *voxels, size_t seed, uint32_t label, uint32_t *labels, size_t *stack);
 
-// Clips [enter, leave], in lengths of `direction`, to where the ray is within the voxels. False when it never is.
+// Clips [enter, leave], in lengths of `direction`, to where the ray is within the voxels. Returns false when it never
+// is.
 bool olx_voxels_clip(const olx_voxels *voxels, olx_vec3 origin, olx_vec3 direction, float *enter, float *leave);
 
 #endif

@@ -50,7 +50,7 @@ static olx_world_brick *stored_brick(const olx_world *w, uint32_t brick) {
   return w->slots[brick] == OLX_OPEN_BRICK ? NULL : &w->stored[w->slots[brick]];
 }
 
-// Pass one: marks the bricks that surfaces touch. Threads may mark the same brick concurrently with the same value.
+// First pass: marks the bricks that surfaces touch. Threads may mark the same brick concurrently with the same value.
 static void mark_brick(void *user, const int32_t c[3]) {
   const olx_world *w = user;
   uint8_t *flags = &w->flags[(uint32_t)c[0] + w->bricks[0] * ((uint32_t)c[1] + w->bricks[1] * (uint32_t)c[2])];
@@ -65,7 +65,7 @@ static void mark_voxel(void *user, const int32_t c[3]) {
   if (brick) __atomic_fetch_or(&brick->solid.z[voxel[2] % SIDE], voxel_bit(voxel), __ATOMIC_RELAXED);
 }
 
-// Whether the box ends inside the brick.
+// Returns whether the box ends inside the brick.
 static bool is_cut(const olx_world *w, const uint32_t corner[3]) {
   for (int axis = 0; axis < 3; axis++) {
     if (corner[axis] < w->begin[axis] || corner[axis] + SIDE > w->lattice.count[axis]) return true;
@@ -333,7 +333,7 @@ void olx_world_put_aside(olx_world *w) {
   }
 }
 
-// The first set voxel, relative to the brick's corner.
+// Finds the first set voxel, relative to the brick's corner.
 static bool first_of(const olx_world_bits *bits, uint32_t voxel[3]) {
   for (uint32_t z = 0; z < SIDE; z++) {
     if (!bits->z[z]) continue;

@@ -42,11 +42,11 @@ typedef struct olx_tile {
   uint32_t core_from[3], core_to[3], from[3], to[3];
 } olx_tile;
 
-// The tile with this many voxels around it, as far as they exist.
+// Returns the tile with this many voxels around it, as far as they exist.
 olx_tile olx_world_tile(const olx_world *world, uint32_t index, uint32_t overlap);
-// Diagonal in metres of the scene's bounds, or of a tile where there are many.
+// Returns the diagonal in metres of the scene's bounds, or of a tile where there are many.
 float olx_world_diagonal(const olx_world *world);
-// The tile that holds the point, or the nearest to it.
+// Returns the tile that holds the point, or the nearest to it.
 uint32_t olx_world_tile_of(const olx_world *world, olx_vec3 p);
 // Divides the world into tiles of `tile_edge` voxels. `first` is the index of the world's first voxel among all voxels
 // of space; both are multiples of OLX_WORLD_SIDE. A new world is one tile.
@@ -70,12 +70,12 @@ olx_result olx_world_create(const olx_scene *scene, olx_box box, const olx_latti
                             uint32_t threads, olx_world *world);
 void olx_world_free(olx_world *world);
 
-// Number of bricks that cover this many voxels.
+// Returns the number of bricks that cover this many voxels.
 uint64_t olx_world_brick_count(const uint32_t voxels[3]);
 
-// The voxel that holds the point; false beyond all voxels.
+// Finds the voxel that holds the point; false beyond all voxels.
 bool olx_world_at(const olx_world *world, olx_vec3 p, uint32_t voxel[3]);
-// The voxel that holds the point, or the nearest to it.
+// Finds the voxel that holds the point, or the nearest to it.
 void olx_world_nearest(const olx_world *world, olx_vec3 p, uint32_t voxel[3]);
 olx_vec3 olx_world_centre(const olx_world *world, const uint32_t voxel[3]);
 olx_voxel_state olx_world_state(const olx_world *world, const uint32_t voxel[3]);
@@ -88,8 +88,8 @@ uint64_t olx_world_flood(olx_world *world, const uint32_t voxel[3]);
 void olx_world_forget(olx_world *world);
 // Turns what the last flood reached into seen.
 void olx_world_put_aside(olx_world *world);
-// Finds the next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor excluded. False
-// when there is none.
+// Finds the next free voxel, in the order of bricks from *brick on, that is neither seen, reached nor excluded. Returns
+// false when there is none.
 bool olx_world_next_free(const olx_world *world, uint32_t *brick, uint32_t voxel[3]);
 // Finds the `nth` voxel that the last flood reached, in the order of its bricks.
 bool olx_world_nth_reached(const olx_world *world, uint64_t nth, uint32_t voxel[3]);

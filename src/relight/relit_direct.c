@@ -4,11 +4,6 @@
 
 #include "core/sampling.h"
 
-// The share of its length by which a ray to a light ends early, so that it does not hit the lamp itself.
-static const float END_SHARE = 1e-3f;
-
-enum { SALT_LIGHT = 0x524C4954 };
-
 // The rays of a batch to one light.
 typedef struct light_rays {
   uint32_t count;
@@ -28,7 +23,7 @@ static bool point_light(const olx_light *light, olx_vec3 position, olx_vec3 norm
   if (light->type == OLX_LIGHT_SPOT) {
     strength *= olx_spot_falloff(light->cosine_inner, light->cosine_outer, -olx_dot(direction, light->direction));
   }
-  *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
+  *ray = (olx_shadow_ray){position, direction, length * (1.0f - OLX_END_SHARE)};
   *irradiance = olx_scale(light->emission, strength);
   return strength > 0.0f;
 }
@@ -45,7 +40,7 @@ static bool area_light(const olx_light *light, olx_vec3 position, olx_vec3 norma
   float facing = -olx_dot(area, direction);
   if (light->both_sides) facing = fabsf(facing);
   if (!(cosine > 0.0f && facing > 0.0f)) return false;
-  *ray = (olx_shadow_ray){position, direction, length * (1.0f - END_SHARE)};
+  *ray = (olx_shadow_ray){position, direction, length * (1.0f - OLX_END_SHARE)};
   // A light contributes at most as much as one that surrounds the place, however near it is.
   *irradiance = olx_scale(light->emission, olx_min(cosine * facing / (length * length), OLX_PI));
   return true;
@@ -91,7 +86,7 @@ static void light_by(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t 
   for (uint32_t i = 0; i < batch->count; i++) {
     const uint32_t k = rays->count;
     const olx_vec2 random =
-        area ? olx_stratified2(batch->sequence[i] * samples + sample, olx_hash3(batch->seed[i], index, SALT_LIGHT))
+        area ? olx_stratified2(batch->sequence[i] * samples + sample, olx_hash3(batch->seed[i], index, OLX_SALT_LIGHT))
              : (olx_vec2){0};
     if (!aim(light, batch->position[i], batch->normal[i], random, &rays->ray[k], &rays->irradiance[k])) continue;
     rays->point[rays->count++] = i;

@@ -4,13 +4,6 @@
 #include "core/pack.h"
 #include "relight/relit_surfels.h"
 
-// Surfels represent surfaces of some size, and their rays some solid angle, so their lobes are widened by this alpha.
-static const float LINK_ALPHA = 0.2f;
-
-// The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
-// for the solid angle that they represent.
-static const float MOST_BRIGHT = 2.0f;
-
 static float share_of(uint8_t byte) { return (float)byte * (1.0f / 255.0f); }
 
 // Returns the brightness of a specular lobe in light from one direction, relative to a white matte surface.
@@ -20,15 +13,15 @@ static float brightness(const olx_relight_surfel *s, olx_vec3 view, olx_vec3 lig
   if (to_view <= 0.0f || to_light <= 0.0f) return 0.0f;
   const olx_vec3 half = olx_normalize(olx_add(view, light));
   const float cosine = olx_min(olx_dot(half, normal), 1.0f), a = share_of(s->alpha);
-  const float alpha = sqrtf(a * a + LINK_ALPHA * LINK_ALPHA), f0 = share_of(s->f0);
+  const float alpha = sqrtf(a * a + OLX_LINK_ALPHA * OLX_LINK_ALPHA), f0 = share_of(s->f0);
   const float fresnel = f0 + (1.0f - f0) * olx_pow5(olx_clamp(1.0f - olx_dot(view, half), 0.0f, 1.0f));
   const float a2 = alpha * alpha, c2 = cosine * cosine, d = 1.0f - c2 + c2 * a2, lobe = a2 / (OLX_PI * d * d);
   const float seen = 1.0f / (1.0f + olx_ggx_lambda(alpha, to_view) + olx_ggx_lambda(alpha, to_light));
-  return olx_min(OLX_PI * fresnel * lobe * seen / (4.0f * to_view * to_light), MOST_BRIGHT);
+  return olx_min(OLX_PI * fresnel * lobe * seen / (4.0f * to_view * to_light), OLX_MOST_BRIGHT);
 }
 
 // Returns the luminance of light that a surfel's specular lobe sends to a place, as the irradiance that would make a
-// white matte surface in its stead as bright.
+// white matte surface in its place as bright.
 static float specular_light(const olx_relit_surfels *r, uint32_t surfel, olx_vec3 place) {
   const olx_relight_surfel *s = &r->data->surfels[surfel];
   const float beam = olx_length(r->beams[surfel]), rest = olx_max(olx_luminance(r->direct[surfel]) - beam, 0.0f);

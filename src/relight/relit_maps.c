@@ -13,11 +13,7 @@
 
 #include <string.h>
 
-enum { SALT_TEXEL = 0x5445584C, LIGHT_SIDE = 4 };
-
-// How far rays start from a surface, as a share of its distance: that distance is a half float with an error of up to
-// half a unit in the last place.
-static const float OFF_SURFACE = 0x1p-10f;
+enum { LIT_TEXELS = OLX_LIT_SIDE * OLX_LIT_SIDE }; // of a block whose samples of lights are stratified together
 
 // Computes the weights of a block's corners for a texel.
 static void site_corners(uint32_t column, uint32_t row, float corner[4]) {
@@ -87,13 +83,11 @@ void olx_relit_maps_free(olx_relit_maps *maps) {
 
 // ---- A tile
 
-// Returns texel i of a tile in the order of its blocks of LIGHT_SIDE x LIGHT_SIDE texels, which share samples of
-// lights.
+// Returns texel i of a tile in the order of its blocks of LIT_TEXELS, which share samples of lights.
 static void tile_texel(uint32_t side, const olx_relit_tile *tile, uint32_t i, uint32_t *x, uint32_t *y) {
-  const uint32_t in_block = i % (LIGHT_SIDE * LIGHT_SIDE), block = i / (LIGHT_SIDE * LIGHT_SIDE),
-                 blocks = side / LIGHT_SIDE;
-  *x = tile->first_x + block % blocks * LIGHT_SIDE + in_block % LIGHT_SIDE;
-  *y = tile->first_y + block / blocks * LIGHT_SIDE + in_block / LIGHT_SIDE;
+  const uint32_t in_block = i % LIT_TEXELS, block = i / LIT_TEXELS, blocks = side / OLX_LIT_SIDE;
+  *x = tile->first_x + block % blocks * OLX_LIT_SIDE + in_block % OLX_LIT_SIDE;
+  *y = tile->first_y + block / blocks * OLX_LIT_SIDE + in_block / OLX_LIT_SIDE;
 }
 
 // The tiles of a frame, and where their light comes from.
@@ -117,10 +111,11 @@ static void light_texels(const tile_job *j, const olx_relit_tile *tile, uint32_t
     const float distance = seen.distance;
     const olx_vec3 place = olx_madd(f->probe_positions[tile->probe], olx_texel_direction(x, y, f->n), distance);
     const uint32_t k = batch.count++;
-    batch.position[k] = olx_madd(place, normal, OFF_SURFACE * distance);
+    batch.position[k] = olx_madd(place, normal, OLX_OFF_SURFACE * distance);
     batch.normal[k] = normal;
-    batch.seed[k] = olx_hash3(tile->probe, (tile->first_y * f->n + tile->first_x) * f->n + i / 16, SALT_TEXEL);
-    batch.sequence[k] = i % 16 + 16 * tile->rounds;
+    batch.seed[k] =
+        olx_hash3(tile->probe, (tile->first_y * f->n + tile->first_x) * f->n + i / LIT_TEXELS, OLX_SALT_TEXEL);
+    batch.sequence[k] = i % LIT_TEXELS + LIT_TEXELS * tile->rounds;
     batch.slot[k] = (uint32_t)texel;
   }
   olx_relit_light(j->direct, &batch);

@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 
-enum { LINKS_JOB = 1024, SALT_SURFEL = 0x53464C52 };
+enum { LINKS_JOB = 1024 };
 
 olx_result olx_relit_surfels_create(const olx_relight_data *data, olx_relit_surfels *s) {
   const uint32_t count = data->header->surfels, jobs = (count + LINKS_JOB - 1) / LINKS_JOB;
@@ -61,7 +61,7 @@ static void light_batch(void *user, uint32_t job) {
     const olx_relight_surfel *surfel = &s->data->surfels[i];
     batch.position[k] = olx_load3(surfel->points[round % OLX_RELIGHT_POINTS]);
     batch.normal[k] = olx_normal_unpack((uint16_t)surfel->normal);
-    batch.seed[k] = olx_hash2(i, SALT_SURFEL);
+    batch.seed[k] = olx_hash2(i, OLX_SALT_SURFEL);
     batch.sequence[k] = round;
     batch.slot[k] = i;
   }

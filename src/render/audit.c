@@ -47,8 +47,8 @@ olx_audit_settings olx_audit_settings_default(void) {
   return (olx_audit_settings){.rays = 200000, .points = 2000, .spp = 1024, .sample = olx_sample_settings_default()};
 }
 
-// A ray to find a surface with: through a random pixel of one of the cameras, or without cameras from a random point of
-// the scene's bounds in a random direction.
+// Returns a ray to find a surface with: through a random pixel of one of the cameras, or without cameras from a random
+// point of the scene's bounds in a random direction.
 static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
   const olx_vec2 random = olx_stratified2(index, seed);
   olx_ray ray = {.t_max = INFINITY};
@@ -80,7 +80,7 @@ static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx
   return false;
 }
 
-// Whether a probe has an unblocked view of a surface point, from the side on which the ray hit it.
+// Returns whether a probe has an unblocked view of a surface point, from the side on which the ray hit it.
 static bool probe_sees(const audit *a, uint32_t probe, const olx_surface *hit) {
   const olx_vec3 position = a->field->probe_positions[probe];
   if (olx_dot(olx_sub(position, hit->position), hit->geometric_normal) <= 0.0f) return false;

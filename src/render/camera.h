@@ -15,7 +15,7 @@ typedef struct olx_camera_frame {
 // between 0 and 180 degrees.
 olx_result olx_camera_frame_make(const olx_camera *camera, uint32_t width, uint32_t height, olx_camera_frame *frame);
 
-// Unit direction through the point (x, y) of the image, 0..1 from left to right and from top to bottom.
+// Returns the unit direction through the point (x, y) of the image, 0..1 from left to right and from top to bottom.
 olx_vec3 olx_camera_direction(const olx_camera_frame *frame, float x, float y);
 
 #endif

@@ -69,7 +69,7 @@ typedef struct shown {
   float pixel_angle; // width of a pixel at depth 1
 } shown;
 
-// Width of a pixel at depth 1.
+// Returns the width of a pixel at depth 1.
 static float pixel_angle(const olx_guide *guide) { return 2.0f * olx_length(guide->camera.up) / (float)guide->height; }
 
 static shown show(const olx_guide *guide, uint32_t x, uint32_t y) {
@@ -81,7 +81,7 @@ static shown show(const olx_guide *guide, uint32_t x, uint32_t y) {
                  .pixel_angle = pixel_angle(guide)};
 }
 
-// How well a point fits the plane through another: from 1 on the plane to 0 on another surface.
+// Returns how well a point fits the plane through another: from 1 on the plane to 0 on another surface.
 static float plane_fit(olx_vec3 offset, olx_vec3 normal, float pixel_metres) {
   const float tolerance = OLX_PLANE_PIXELS * pixel_metres + OLX_PLANE_SLOPE * olx_length(offset);
   return olx_max(0.0f, 1.0f - fabsf(olx_dot(offset, normal)) / tolerance);
@@ -93,7 +93,7 @@ static bool is_sample(olx_incident incident) {
 
 // ---- History
 
-// Whether a pixel of the previous frame showed the surface that `now` shows.
+// Returns whether a pixel of the previous frame showed the surface that `now` shows.
 static bool same_surface(const shown *now, const shown *before) {
   if (!(olx_dot(before->normal, now->normal) > OLX_SAME_NORMAL)) return false;
   return plane_fit(olx_sub(before->position, now->position), now->normal, now->depth * now->pixel_angle) > 0.0f;
@@ -109,7 +109,7 @@ static bool stands_still(olx_vec2 at, olx_vec2 pixel) {
   return fabsf(at.x - pixel.x) < OLX_STILL_PIXELS && fabsf(at.y - pixel.y) < OLX_STILL_PIXELS;
 }
 
-// The bilinear weight of one of the four pixels around a position, `corner` 0 to 3 from the top left.
+// Returns the bilinear weight of one of the four pixels around a position, `corner` 0 to 3 from the top left.
 static float bilinear_weight(olx_vec2 at, uint32_t corner) {
   const float right = at.x - floorf(at.x), bottom = at.y - floorf(at.y);
   return (corner & 1 ? right : 1.0f - right) * (corner >> 1 ? bottom : 1.0f - bottom);
@@ -208,8 +208,9 @@ static scales scales_of(olx_incident incident, float count) {
 
 static float gaussian(float squared_over_variance) { return expf(-0.5f * squared_over_variance); }
 
-// Weight by distance. Diffuse light varies with the distance to its sources, glossy light with the lobe's width where
-// its rays end. `nearness`: the mean inverse distance of the two pixels, which are this many metres and pixels apart.
+// Returns the weight by distance. Diffuse light varies with the distance to its sources, glossy light with the lobe's
+// width where its rays end. `nearness` is the mean inverse distance of the two pixels, which are this many metres and
+// pixels apart.
 static float reach_weight(olx_lobe lobe, float reach, const shown *middle, float nearness, float metres, float pixels) {
   if (lobe == OLX_LOBE_DIFFUSE) return gaussian(olx_square(metres * nearness / reach));
   const float alpha = olx_square(middle->roughness);
@@ -217,7 +218,7 @@ static float reach_weight(olx_lobe lobe, float reach, const shown *middle, float
   return pixels > 0.0f ? gaussian(olx_square(pixels / olx_max(sigma_pixels, 1e-3f))) : 1.0f;
 }
 
-// The weight of the pixel `tap`, at this many pixels from the centre pixel.
+// Returns the weight of the pixel `tap`, at this many pixels from the centre pixel.
 static float tap_weight(const olx_lobe_filter *filter, olx_lobe lobe, const shown *middle, scales here,
                         const shown *tap, float tap_inverse_distance, float pixels) {
   const float cosine = olx_max(0.0f, olx_dot(tap->normal, middle->normal));
@@ -246,8 +247,8 @@ typedef struct filter_job {
   olx_vec3 *light;
 } filter_job;
 
-// The weighted sum over pixels along a line, of the history or of the row pass. The kernel is separated: the column
-// pass weighs each pixel by the sum of weights of its row.
+// Returns the weighted sum over pixels along a line, of the history or of the row pass. The kernel is separated: the
+// column pass weighs each pixel by the sum of weights of its row.
 static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool columns) {
   const olx_guide *guide = job->guide;
   const olx_history *from = columns ? job->rows : job->history;

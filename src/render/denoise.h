@@ -49,8 +49,8 @@ typedef enum olx_lobe { OLX_LOBE_DIFFUSE, OLX_LOBE_GLOSSY } olx_lobe;
 olx_result olx_denoise_filter(const olx_lobe_filter *filter, olx_lobe lobe, const olx_guide *guide,
                               const olx_history *history, const olx_history *rows, olx_vec3 *light, uint32_t threads);
 
-// The position of the surface that a pixel shows, and the pixel position at which a point appears in a frame (pixel
-// centres at whole numbers; false behind the camera).
+// Returns the position of the surface that a pixel shows, and the pixel position at which a point appears in a frame
+// (pixel centres at whole numbers; false behind the camera).
 olx_vec3 olx_guide_position(const olx_guide *guide, uint32_t x, uint32_t y);
 bool olx_guide_project(const olx_guide *guide, olx_vec3 position, olx_vec2 *pixel);
 

@@ -25,7 +25,7 @@ typedef struct drawing {
   float *depths;    // depth of the nearest surface along the viewing axis
 } drawing;
 
-// A camera above a corner of the scene, with the whole scene in view.
+// Returns a camera above a corner of the scene, with the whole scene in view.
 static olx_camera three_quarter_view(const olx_scene *scene) {
   const olx_vec3 centre = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   const float diagonal = olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
@@ -45,15 +45,15 @@ static void choose_cut(drawing *d) {
   d->facing = flat ? olx_v3(0.0f, 1.0f, 0.0f) : olx_negate(d->frame.forward);
 }
 
-// The distance at which a view ray leaves the part that is cut away.
+// Returns the distance at which a view ray leaves the part that is cut away.
 static float find_start(const drawing *d, olx_vec3 direction) {
   const float above = olx_dot(olx_sub(d->frame.eye, d->middle), d->facing), down = -olx_dot(direction, d->facing);
   if (!d->cut || above <= 0.0f) return 0.0f;
   return down > 0.0f ? above / down : INFINITY;
 }
 
-// Flat grey with a little of the surface's own colour, lit from the viewer and from above, dark enough for marks to be
-// distinct.
+// Shades flat: grey with a little of the surface's own colour, lit from the viewer and from above, dark enough for
+// marks to be distinct.
 static olx_vec3 flat_shade(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   const uint32_t *corner = scene->indices + 3 * (size_t)hit->triangle;
   const olx_vec3 a = scene->positions[corner[0]];

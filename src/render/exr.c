@@ -93,7 +93,7 @@ static exr_result_t write_header(exr_context_t context, const olx_exr_picture *p
   return exr_write_header(context);
 }
 
-// The position of a channel in its layer from `row` on; NULL values when the image has no such layer.
+// Returns the position of a channel in its layer from `row` on; NULL values when the image has no such layer.
 static olx_exr_target find_target(void *user, const char *channel, uint32_t row) {
   const olx_image *image = user;
   olx_layer layer;
@@ -192,7 +192,7 @@ static bool note_channel(void *user, const char *channel) {
   return true;
 }
 
-// The layers all of whose channels were found.
+// Finds the layers all of whose channels were found.
 static olx_result find_layers(const olx_exr_file *file, uint32_t *layer_mask) {
   found_layers found = {{0}};
   OLX_TRY(olx_exr_find_channels(file, note_channel, &found));

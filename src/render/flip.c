@@ -1,7 +1,6 @@
 // Computes LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator
-// for
-// Alternating Images", HPG 2020. What the eye cannot resolve is filtered away, colours are compared in a space where
-// distance is perception, and differences of edges and points amplify the differences of colour.
+// for Alternating Images", HPG 2020. Detail that the eye cannot resolve is filtered away, colours are compared in a
+// space where distances match perception, and differences of edges and points amplify the differences of colour.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"
@@ -63,7 +62,7 @@ static float lab_curve(float t) {
   return t > delta * delta * delta ? cbrtf(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
 
-// CIE L*a*b* with a* and b* scaled by lightness: colour is less visible in the dark (the Hunt effect).
+// Converts to CIE L*a*b* with a* and b* scaled by lightness: colour is less visible in the dark (the Hunt effect).
 static olx_vec3 hunt_lab(olx_vec3 linear) {
   const olx_vec3 xyz = to_xyz(linear);
   const float x = lab_curve(xyz.x), y = lab_curve(xyz.y), z = lab_curve(xyz.z), lightness = 116.0f * y - 16.0f;
@@ -74,8 +73,8 @@ static float hyab(olx_vec3 a, olx_vec3 b) {
   return fabsf(a.x - b.x) + sqrtf(olx_square(a.y - b.y) + olx_square(a.z - b.z));
 }
 
-// A Gaussian, or its first or second derivative, normalized so that positive weights sum to 1 and negative ones to -1.
-// The product with a Gaussian across keeps these sums in two dimensions.
+// Returns a Gaussian, or its first or second derivative, normalized so that positive weights sum to 1 and negative ones
+// to -1. The product with a Gaussian across keeps these sums in two dimensions.
 static kernel gaussian(double sigma, int radius, int derivative) {
   kernel k = {.radius = radius};
   double values[2 * MAX_RADIUS + 1] = {0.0}, positive = 0.0, negative = 0.0;
@@ -136,7 +135,7 @@ static olx_result filter(const flip *f, const kernel *across, const kernel *down
 
 static size_t pixel_count(const flip *f) { return (size_t)f->width * f->height; }
 
-// The radius of a kernel in pixels.
+// Returns the radius of a kernel in pixels.
 static int radius_of(double sigma_pixels) { return (int)ceil(3.0 * sigma_pixels); }
 
 // Filters one channel by its contrast sensitivity function (section 4.1.1, table 1), a sum of at most two Gaussians a
@@ -169,7 +168,7 @@ static void set_color(const picture *p, size_t i, olx_vec3 color) {
   p->color[2][i] = color.z;
 }
 
-// The strength of the features that a derivative of the Gaussian detects in lightness (section 4.2).
+// Computes the strength of the features that a derivative of the Gaussian detects in lightness (section 4.2).
 static olx_result find_features(const flip *f, const picture *p, int derivative, float *strength) {
   const double sigma = 0.5 * 0.082 * (double)f->pixels_per_degree;
   const kernel bell = gaussian(sigma, radius_of(sigma), 0), slope = gaussian(sigma, radius_of(sigma), derivative);

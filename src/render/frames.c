@@ -16,7 +16,7 @@ typedef struct frame_job {
   olx_render_context context;
   uint32_t frame;
   bool last;
-  // The surfaces of this frame ([frame & 1]) and of the one before.
+  // The surfaces of this frame ([frame & 1]) and of the previous one.
   surface_buffers surfaces[2];
   olx_guide guides[2];
   olx_history diffuse[2], glossy[2];
@@ -61,7 +61,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   *sample = (olx_incident){light, found.nearness};
 }
 
-// Adds to the last frame the layers of the image besides traced light.
+// Adds to the last frame all layers of the image except traced light.
 static void light_last_frame(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   const uint32_t spp = job->context.settings->spp;
   olx_vec3 sum = {0};

@@ -50,7 +50,8 @@ static void draw_percent(const picture *target, uint32_t x, uint32_t y, uint32_t
   draw_glyph(target, x + 3 * DIGIT_PITCH, y, 10);
 }
 
-// Black, violet, red, orange, yellow over the square root of the error, so that small errors are visible.
+// Colours the error from black over violet, red and orange to yellow by its square root, so that small errors are
+// visible.
 static void error_color(double error, uint8_t color[3]) {
   static const double stops[5][3] = {{0, 0, 0}, {80, 18, 123}, {200, 40, 60}, {250, 140, 20}, {255, 245, 120}};
   const double position = 4.0 * fmin(sqrt(error), 1.0);
@@ -87,7 +88,7 @@ static double magnitude(olx_vec3 v, uint32_t channels) {
   return channels == 1 ? x : (x + y + z) / 3.0;
 }
 
-// Mean of the reference over its finite pixels; 1 for a black reference, so that errors are shown unscaled.
+// Returns the mean of the reference over its finite pixels; 1 for a black reference, so that errors are shown unscaled.
 static double mean_of(const olx_image *image, olx_layer layer) {
   const size_t count = (size_t)image->width * image->height;
   double sum = 0.0;

@@ -35,10 +35,10 @@ olx_result olx_png_write(const char *path, uint32_t width, uint32_t height, cons
 // becomes magenta.
 void olx_tone_map(olx_vec3 radiance, float exposure, uint8_t rgb[3]);
 
-// Whether an image has a layer; false for values outside the enumeration.
+// Returns whether an image has a layer; false for values outside the enumeration.
 bool olx_image_has(const olx_image *image, olx_layer layer);
 
-// Number of channels with data in a layer: 1 for depth, otherwise 3.
+// Returns the number of channels with data in a layer: 1 for depth, otherwise 3.
 uint32_t olx_layer_channels(olx_layer layer);
 
 // Checks that two images can be compared over a layer: that sizes agree and every pixel is finite (or, for depth,

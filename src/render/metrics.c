@@ -35,7 +35,7 @@ olx_result olx_compare_check(const olx_image *a, const olx_image *b, olx_layer l
   return OLX_OK;
 }
 
-// The difference relative to the reference: 0 when both are 0, infinite when only the reference is.
+// Returns the difference relative to the reference: 0 when both are 0, infinite when only the reference is.
 static double share(double difference, double reference) {
   return difference == 0.0 ? 0.0 : reference == 0.0 ? copysign(INFINITY, difference) : difference / reference;
 }

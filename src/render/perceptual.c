@@ -62,8 +62,8 @@ olx_result olx_compare_perceptual(const olx_image *a, const olx_image *b, olx_la
   return result;
 }
 
-// The magma colour map of matplotlib at 17 evenly spaced positions; linear interpolation differs from it by less than 3
-// / 255.
+// Looks up the magma colour map of matplotlib, which is stored at 17 evenly spaced positions; linear interpolation
+// differs from it by less than 3 / 255.
 void olx_magma(float value, uint8_t rgb[3]) {
   static const uint8_t stops[17][3] = {
       {0, 0, 4},      {10, 8, 34},     {29, 17, 70},    {54, 16, 106},   {80, 18, 124},  {105, 28, 129},

@@ -9,7 +9,8 @@
 
 #include <zlib.h>
 
-// A compressor with dynamic Huffman codes: stb's own has fixed codes only, which make noisy images twice as large.
+// Compresses with dynamic Huffman codes: stb's own compressor has fixed codes only, which make noisy images twice as
+// large.
 static unsigned char *compress_bytes(unsigned char *data, int size_bytes, int *compressed_bytes, int quality) {
   uLongf length = compressBound((uLong)size_bytes);
   unsigned char *compressed = olx_allocate(length, 1);

@@ -32,7 +32,7 @@ static void window_weights(double weights[WINDOW]) {
 
 static double luma(const uint8_t *rgb) { return (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) / 255.0; }
 
-// The similarity of a window, equation 13.
+// Returns the similarity of a window, equation 13.
 static double similarity(const moments *m) {
   const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
   const double variance_a = m->aa - m->a * m->a, variance_b = m->bb - m->b * m->b, covariance = m->ab - m->a * m->b;

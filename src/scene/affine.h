@@ -8,11 +8,7 @@ typedef struct olx_affine {
   double m[3][4]; // rows; the last column is the translation
 } olx_affine;
 
-static inline olx_affine olx_affine_identity(void) {
-  return (olx_affine){.m = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-}
-
-// The product a b, which applies b first.
+// Returns the product a b, which applies b first.
 static inline olx_affine olx_affine_multiply(const olx_affine *a, const olx_affine *b) {
   olx_affine product;
   for (int row = 0; row < 3; ++row) {
@@ -41,7 +37,7 @@ static inline olx_vec3 olx_affine_point(const olx_affine *a, olx_vec3 p) {
   return olx_v3((float)r[0], (float)r[1], (float)r[2]);
 }
 
-// The cofactor matrix, which transforms normals up to their length and keeps their side under mirroring.
+// Returns the cofactor matrix, which transforms normals up to their length and keeps their side under mirroring.
 static inline olx_affine olx_affine_normals(const olx_affine *a) {
   olx_affine n = {{{0}}};
   for (int row = 0; row < 3; ++row) {
@@ -58,7 +54,7 @@ static inline double olx_affine_determinant(const olx_affine *a) {
   return a->m[0][0] * n.m[0][0] + a->m[0][1] * n.m[0][1] + a->m[0][2] * n.m[0][2];
 }
 
-// Rotation by a quaternion (need not be unit), with scale on its right and a translation.
+// Returns a rotation by a quaternion, which need not be unit, with scale on its right and a translation.
 static inline olx_affine olx_affine_from_trs(const double t[3], const double q[4], const double s[3]) {
   const double length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], k = length2 > 0.0 ? 2.0 / length2 : 0.0;
   const double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -73,7 +69,7 @@ static inline olx_affine olx_affine_from_trs(const double t[3], const double q[4
   return a;
 }
 
-// The transform of a placement into the local frame of a scene with that origin.
+// Returns the transform of a placement into the local frame of a scene with that origin.
 static inline olx_affine olx_affine_from_placement(const olx_placement *placement, const double origin[3]) {
   const double half = 0.5 * 3.14159265358979323846 / 180.0, none[3] = {0, 0, 0}, one[3] = {1, 1, 1};
   const double ax = half * (double)placement->rotate_degrees.x, ay = half * (double)placement->rotate_degrees.y;

@@ -15,8 +15,8 @@ static float signed_area(const olx_vec2 *outline, uint32_t points) {
   return 0.5f * twice;
 }
 
-// The quality of cutting off the corner at left[i] of the rest of an outline that turns left: the least height of the
-// triangle, 0 when it is no ear.
+// Returns the quality of cutting off the corner at left[i] of the rest of an outline that turns left: the least height
+// of the triangle, or 0 when the triangle is not an ear.
 static float ear_height(const olx_vec2 *outline, const uint32_t *left, uint32_t count, uint32_t i) {
   const olx_vec2 a = outline[left[(i + count - 1) % count]], b = outline[left[i]], c = outline[left[(i + 1) % count]];
   const float twice = turn(a, b, c);
@@ -90,7 +90,7 @@ olx_result olx_add_extrusion(olx_scene *scene, const char *name, const olx_extru
   return OLX_OK;
 }
 
-// Point i of the arch, widened by `breadth`, from its left spring to its right spring.
+// Returns point i of the arch, widened by `breadth`, from its left spring to its right spring.
 static olx_vec2 arch_point(const olx_arch *arch, float breadth, uint32_t i) {
   const float half = 0.5f * arch->width + breadth, angle = OLX_PI * (1.0f - (float)i / OLX_ARCH_STEPS);
   if (i == 0) return (olx_vec2){arch->center - half, arch->spring};

@@ -52,7 +52,7 @@ olx_result olx_build_two_rooms_gap_of(olx_scene *scene, float gap) {
                     (double)gap);
   }
   OLX_TRY(build_two_rooms(scene, cells, middle_wall, gap));
-  // A view along the end of the wall, past which the light falls.
+  // The view is along the end of the wall, past which light falls into the other room.
   return olx_add_view(scene, "both", olx_v3(2.4f, 1.5f, 1.7f), olx_v3(-1.2f, 1.2f, 0.6f), 70.0f);
 }
 

@@ -83,14 +83,14 @@ olx_result olx_add_room(olx_scene *scene, const char *name, olx_vec3 low, olx_ve
   return add_faces(scene, name, low, high, true, materials);
 }
 
-// Unit normal, in (radius, height), of segment i of the profile.
+// Returns the unit normal, in (radius, height), of segment i of the profile.
 static olx_vec2 segment_normal(const olx_vec2 *profile, uint32_t i) {
   const float dr = profile[i + 1].x - profile[i].x, dy = profile[i + 1].y - profile[i].y;
   const float inverse = 1.0f / sqrtf(dr * dr + dy * dy);
   return (olx_vec2){dy * inverse, -dr * inverse};
 }
 
-// Normal of segment i at one of its ends, averaged with the neighbour's unless the corner is sharp.
+// Returns the normal of segment i at one of its ends, averaged with the neighbour's unless the corner is sharp.
 static olx_vec2 end_normal(const olx_vec2 *profile, uint32_t points, uint32_t i, bool upper) {
   const olx_vec2 own = segment_normal(profile, i);
   if (upper ? i + 2 >= points : i == 0) return own;
@@ -174,7 +174,7 @@ olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *pr
 
 enum { CLOTH_COLUMNS = 28, CLOTH_ROWS = 10, CLOTH_POINTS = (CLOTH_COLUMNS + 1) * (CLOTH_ROWS + 1) };
 
-// The position of the sheet at (u, v), and its normal.
+// Finds the position of the sheet at (u, v), and its normal.
 static void cloth_point(const olx_cloth *cloth, float u, float v, olx_vec3 *position, olx_vec3 *normal) {
   const float turns = 2.0f * OLX_PI * cloth->waves, lag = 1.5f, least = 0.4f;
   const float phase = turns * u + lag * v, depth = cloth->depth * (least + (1.0f - least) * v);

@@ -92,13 +92,11 @@ enum {
 #define OLX_WALL_BASE (1ull | 1ull << (OLX_ARCH_STEPS + 3))
 #define OLX_WALL_ENDS (1ull << (OLX_ARCH_STEPS + 4) | 1ull << (OLX_ARCH_STEPS + 6))
 #define OLX_WALL_TOP (1ull << (OLX_ARCH_STEPS + 5))
-// Sides at the base of an arch band.
-#define OLX_BAND_BASE (1ull << (OLX_ARCH_STEPS + 2) | 1ull << (2 * OLX_ARCH_STEPS + 5))
 
-// The outline of a wall from `left` to `right`, from the arch's base up to `top`, with the arch as its opening.
+// Makes the outline of a wall from `left` to `right`, from the arch's base up to `top`, with the arch as its opening.
 void olx_arched_wall(const olx_arch *arch, float left, float right, float top,
                      olx_vec2 outline[OLX_ARCHED_WALL_POINTS]);
-// The outline of a band of that breadth around the arch, on both sides down to its base.
+// Makes the outline of a band of that breadth around the arch, on both sides down to its base.
 void olx_arch_band(const olx_arch *arch, float breadth, olx_vec2 outline[OLX_ARCH_BAND_POINTS]);
 
 // Rooms cut out of solid matter, seen from above: cell (column, row) lies between x[column], x[column + 1] and z[row],

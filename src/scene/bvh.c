@@ -100,7 +100,7 @@ static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangl
 
 static const char *const instruction_names[] = {"best", "sse2", "sse4.2", "avx", "avx2", "avx512"};
 
-// The widest of the instruction sets that Embree can use which the processor supports.
+// Returns the widest of the instruction sets that Embree can use which the processor supports.
 static olx_instructions best_instructions(void) {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
@@ -239,7 +239,8 @@ static float segment_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b) {
   return olx_length(olx_sub(p, olx_madd(a, along, t)));
 }
 
-// The distance to the triangle's plane where the point projects into the triangle, otherwise to the nearest edge.
+// Returns the distance to the triangle's plane where the point projects into the triangle, otherwise to the nearest
+// edge.
 static float triangle_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b, olx_vec3 c) {
   const olx_vec3 n = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   if (olx_dot(olx_cross(olx_sub(b, a), olx_sub(p, a)), n) >= 0.0f &&

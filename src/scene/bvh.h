@@ -19,8 +19,13 @@ void olx_bvh_free(olx_bvh *bvh);
 
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);
+// Returns whether nothing lies between two points.
+static inline bool olx_bvh_is_clear(const olx_bvh *bvh, olx_vec3 from, olx_vec3 to) {
+  return !olx_bvh_occluded(bvh, &(olx_ray){from, olx_sub(to, from), 0.0f, 1.0f});
+}
 
-// Metres from the point to the nearest triangle (masked parts included); `limit` when none is nearer.
+// Returns the distance in metres from the point to the nearest triangle (masked parts included); `limit` when none is
+// nearer.
 float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit);
 
 // Intersects many rays in packets of 16. `coherent` promises that neighbours in the array have similar origins and

@@ -29,7 +29,7 @@ static bool is_box(const olx_scene *scene, olx_vec3 low, olx_vec3 high) {
          high.z >= low.z;
 }
 
-// Whether a name is terminated within its bytes and padded with zeros.
+// Returns whether a name is terminated within its bytes and padded with zeros.
 static bool is_name(const char *name, size_t size_bytes) {
   const size_t length = strnlen(name, size_bytes);
   if (length == size_bytes) return false;

@@ -8,7 +8,7 @@
 
 bool olx_is_data_uri(const char *uri) { return strncmp(uri, "data:", 5) == 0; }
 
-// The value of a Base64 digit, in both alphabets; -1 for other characters.
+// Returns the value of a Base64 digit, in both alphabets; -1 for other characters.
 static int digit_value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;

@@ -6,8 +6,8 @@
 
 bool olx_is_data_uri(const char *uri);
 
-// Decodes a Base64 data: URI into memory that the caller owns. Returns false when it is none, with *bytes NULL; or when
-// memory runs out, with *size_bytes SIZE_MAX.
+// Decodes a Base64 data: URI into memory that the caller owns. Returns false when the text is not such a URI, with
+// *bytes NULL; or when memory runs out, with *size_bytes SIZE_MAX.
 bool olx_data_uri_decode(const char *uri, uint8_t **bytes, size_t *size_bytes);
 
 #endif

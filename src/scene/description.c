@@ -51,7 +51,8 @@ static bool is_known(const char *key, const char *const *known) {
   return false;
 }
 
-// Opens an object of the description: fails when it is none, and warns about unknown keys (known ends with NULL).
+// Opens an object of the description: fails when the value is not an object, and warns about unknown keys (`known` ends
+// with NULL).
 static olx_result open_object(description *d, const place *at, const char *const *known) {
   if (!cJSON_IsObject(at->object)) return fail(d, at, "", "expected an object { ... }");
   const cJSON *item = NULL;

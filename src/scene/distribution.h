@@ -19,11 +19,11 @@ static inline bool olx_distribution_build(const float *weights, uint32_t count, 
   return true;
 }
 
-// Probability of element i: exactly the share of numbers in [0, 1) that draw it.
+// Returns the probability of element i: exactly the share of numbers in [0, 1) that draw it.
 static inline float olx_distribution_probability(const float *sums, uint32_t i) { return sums[i + 1] - sums[i]; }
 
-// The element drawn by a number in [0, 1), never one of probability 0. *rest (may be NULL) receives a number in [0, 1)
-// for further draws.
+// Returns the element drawn by a number in [0, 1), never one of probability 0. *rest (may be NULL) receives a number in
+// [0, 1) for further draws.
 static inline uint32_t olx_distribution_draw(const float *sums, uint32_t count, float random, float *rest) {
   uint32_t low = 0, high = count;
   while (high - low > 1) {

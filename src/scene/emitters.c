@@ -41,7 +41,7 @@ static float triangle_area(const olx_scene *scene, uint32_t triangle) {
   return 0.5f * olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
 }
 
-// Number of texels that the triangle covers in its emission texture.
+// Returns the number of texels that the triangle covers in its emission texture.
 static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx_material *material) {
   const olx_texture *texture = &scene->textures[material->emission_texture];
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_EMISSION ? scene->second_uvs : scene->uvs;
@@ -51,7 +51,8 @@ static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx
   return area * (float)texture->width * (float)texture->height;
 }
 
-// Mean luminance of the triangle's emission: a few samples per texel, between 16 and 1024 in all, when it is textured.
+// Returns the mean luminance of the triangle's emission: a few samples per texel, between 16 and 1024 in all, when it
+// is textured.
 static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (!(olx_max3(material->emission) > 0.0f)) return 0.0f;
@@ -120,7 +121,7 @@ no_memory:
   return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for the emission of %u triangles", scene->triangle_count);
 }
 
-// Luminous power that a light without area emits into a scene of the given radius.
+// Returns the luminous power that a light without area emits into a scene of the given radius.
 static float light_power(const olx_light *light, float radius) {
   const float luminance = olx_luminance(light->emission);
   switch (light->type) {
@@ -209,8 +210,8 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
 // area, which is nearly equivalent, faster, and less sensitive to rounding.
 static const float large_solid_angle = 0.03f;
 
-// Approximate solid angle of a triangle seen from a position; 0 from its dark side. Clamped between the values at its
-// rim and straight in front of it.
+// Returns an approximate solid angle of a triangle seen from a position; 0 from its dark side. The value is clamped
+// between those at the triangle's rim and straight in front of it.
 static float rough_solid_angle(const panel *p, olx_vec3 position) {
   const olx_vec3 way = olx_sub(position, p->center);
   const float height = olx_dot(way, p->normal);
@@ -219,7 +220,8 @@ static float rough_solid_angle(const panel *p, olx_vec3 position) {
   return p->area * olx_min(fabsf(height) + sqrtf(p->area), distance) / (distance_squared * distance);
 }
 
-// The solid angle of a triangle seen under a large one, with unit vectors to its corners; 0 when the angle is small.
+// Returns the solid angle of a triangle seen under a large one, with unit vectors to its corners; 0 when the angle is
+// small.
 static float view_large(const panel *p, olx_vec3 position, olx_vec3 corners[3]) {
   if (rough_solid_angle(p, position) < large_solid_angle) return 0.0f;
   for (uint32_t i = 0; i < 3; i++) corners[i] = olx_normalize(olx_sub(p->corners[i], position));
@@ -256,7 +258,7 @@ static float draw_triangle(const olx_emitters *emitters, olx_vec3 position, floa
   return weights[*drawn] / sum;
 }
 
-// The density over solid angle with which a point on an emissive triangle is sampled for a position; `per_area`
+// Returns the density over solid angle with which a point on an emissive triangle is sampled for a position; `per_area`
 // converts a density over area to one over solid angle there.
 static float triangle_density(const olx_scene *scene, uint32_t triangle, olx_vec3 position, float per_area) {
   const olx_emitters *emitters = scene->emitters;
@@ -270,8 +272,8 @@ static float triangle_density(const olx_scene *scene, uint32_t triangle, olx_vec
   return sum > 0.0f ? weights[i] / sum * (angle > 0.0f ? 1.0f / angle : per_area / emitters->panels[i].area) : 0.0f;
 }
 
-// Barycentric coordinates of the intersection of a direction from `position` with the triangle's plane, clamped to the
-// triangle.
+// Returns the barycentric coordinates of the intersection of a direction from `position` with the triangle's plane,
+// clamped to the triangle.
 static olx_vec2 barycentric(const panel *p, olx_vec3 position, olx_vec3 direction) {
   const olx_vec3 ab = olx_sub(p->corners[1], p->corners[0]), ac = olx_sub(p->corners[2], p->corners[0]);
   const olx_vec3 h = olx_cross(direction, ac), from = olx_sub(position, p->corners[0]);

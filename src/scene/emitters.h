@@ -25,7 +25,8 @@ olx_result olx_emitters_create(const olx_scene *scene, olx_emitters **emitters);
 void olx_emitters_free(olx_emitters *emitters);
 
 uint32_t olx_emitters_group_count(const olx_scene *scene);
-// Whether samples of a group vary (area lights, environment) or are always the same (a single light without area).
+// Returns whether samples of a group vary (area lights, environment) or are always the same (a single light without
+// area).
 bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
 
 // Samples a light of a group for a surface point. Returns false when it cannot contribute (behind the surface, or
@@ -33,12 +34,12 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
 bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random,
                          float random_pick, olx_light_sample *sample);
 
-// Density over solid angle with which olx_emitters_sample samples the point of the emitting `surface` that is seen from
-// `position` along `direction`.
+// Returns the density over solid angle with which olx_emitters_sample samples the point of the emitting `surface` that
+// is seen from `position` along `direction`.
 float olx_emitters_surface_pdf(const olx_scene *scene, const olx_surface *surface, olx_vec3 position,
                                olx_vec3 direction);
 
-// Density over area of points on a triangle drawn by power: its share of the power over its area.
+// Returns the density over area of points on a triangle drawn by power: its share of the power over its area.
 float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle);
 
 bool olx_environment_lit(const olx_scene *scene);

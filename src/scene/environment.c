@@ -14,7 +14,7 @@ static olx_vec3 texel(const olx_environment *e, int32_t x, int32_t y) {
   return olx_v3(rgb[0], rgb[1], rgb[2]);
 }
 
-// Image coordinates in [0, 1) of a direction.
+// Returns the image coordinates in [0, 1) of a direction.
 static olx_vec2 image_uv(const olx_environment *e, olx_vec3 direction) {
   const float across = sqrtf(direction.x * direction.x + direction.z * direction.z);
   const float u = (atan2f(direction.z, direction.x) + e->rotation_radians) * (0.5f / OLX_PI) + 0.5f;
@@ -33,13 +33,13 @@ olx_vec3 olx_environment_lookup(const olx_environment *e, olx_vec3 direction) {
   return olx_mul(e->radiance, olx_mix3(upper, lower, py - fy));
 }
 
-// Solid angle of a texel of row y.
+// Returns the solid angle of a texel of row y.
 static float texel_solid_angle(const olx_environment *e, uint32_t y) {
   const float half_step = 0.5f * OLX_PI / (float)e->height;
   return 4.0f * OLX_PI / (float)e->width * sinf(half_step * (float)(2 * y + 1)) * sinf(half_step);
 }
 
-// Mean luminance of bilinear samples over the texel.
+// Returns the mean luminance of bilinear samples over the texel.
 static float texel_luminance(const olx_environment *e, int32_t x, int32_t y) {
   static const float tent[3] = {0.125f, 0.75f, 0.125f};
   float sum = 0.0f;

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-// The index of channel R, G or B; 3 for others.
+// Returns the index of channel R, G or B; 3 for others.
 static uint32_t component_of(const char *channel) {
   static const char *const names[] = {"R", "G", "B"};
   uint32_t i = 0;

@@ -173,7 +173,7 @@ static exr_result_t read_chunks(const olx_exr_file *file,
 olx_result olx_exr_read(olx_exr_file *file, olx_exr_target (*target)(void *user, const char *channel, uint32_t row),
                         void *user) {
   exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-  file->message[0] = 0; // a missing attribute in another program's file is no error
+  file->message[0] = 0; // a missing attribute in another program's file is not an error
   const exr_result_t code = read_chunks(file, target, user, &pipeline);
   exr_decoding_destroy(file->context, &pipeline);
   return code == EXR_ERR_SUCCESS ? OLX_OK : fail(file, code);

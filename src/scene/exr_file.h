@@ -21,7 +21,7 @@ typedef struct olx_exr_file {
 bool olx_is_exr(const void *data, size_t size_bytes);
 
 // Opens a file and reads its header. Every chunk must lie inside the file, so that a short one cannot claim gigabytes.
-// Must be closed with olx_exr_close, also after a failure; `file` must not move.
+// The caller closes it with olx_exr_close, also after a failure; `file` must not move.
 olx_result olx_exr_open(const char *path, olx_exr_file *file);
 void olx_exr_close(olx_exr_file *file);
 

@@ -33,7 +33,7 @@ static uint32_t component_count(const char *type) {
   return 0;
 }
 
-// Size of the range that the elements of a view may occupy, in bytes.
+// Returns the size of the range that the elements of a view may occupy, in bytes.
 static uint64_t view_size(const olx_gltf *gltf, uint32_t view) {
   const olx_gltf_view *found = &gltf->view_data[view];
   return found->compressed && !found->decoded ? olx_gltf_meshopt_size(found->compressed) : found->bytes.size_bytes;
@@ -131,7 +131,7 @@ static uint32_t integer_at(const uint8_t *bytes, olx_gltf_component type) {
   }
 }
 
-// The largest value of an integer type, which represents 1 when normalized.
+// Returns the largest value of an integer type, which represents 1 when normalized.
 static float largest(olx_gltf_component type) {
   switch (type) {
   case OLX_GLTF_INT8: return 127.0f;

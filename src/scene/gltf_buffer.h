@@ -22,7 +22,7 @@ struct olx_gltf_view {
 olx_result olx_gltf_open_buffers(olx_gltf *gltf);
 void olx_gltf_release_buffers(olx_gltf *gltf);
 
-// The bytes of a view, which are decompressed on first use.
+// Finds the bytes of a view, which are decompressed on first use.
 olx_result olx_gltf_view_bytes(const olx_gltf *gltf, uint32_t view, olx_gltf_bytes *bytes);
 
 // Rejects images whose views share bytes, so that a small file cannot contain many large images.

@@ -49,7 +49,7 @@ olx_result olx_gltf_fail(const olx_gltf *gltf, const char *list, uint32_t elemen
 // Reads an optional member that must be an index below `count` when present. *index is OLX_GLTF_NONE when it is absent.
 bool olx_gltf_index(const cJSON *object, const char *key, uint32_t count, uint32_t *index);
 
-// An extension of an element, or NULL.
+// Returns an extension of an element, or NULL.
 const cJSON *olx_gltf_extension(const cJSON *element, const char *name);
 
 #endif

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// The node's name, otherwise that of its camera or light, otherwise a default.
+// Returns the node's name, otherwise that of its camera or light, otherwise a default.
 static const char *name_of(const cJSON *node, const cJSON *item, const char *otherwise) {
   const char *names[] = {olx_json_text(node, "name"), olx_json_text(item, "name")};
   return names[0][0] ? names[0] : names[1][0] ? names[1] : otherwise;

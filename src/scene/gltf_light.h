@@ -5,7 +5,7 @@
 #include "scene/affine.h"
 #include "scene/gltf_document.h"
 
-// Append the camera, or the light, of a node to the scene. Invalid ones are left out with a warning.
+// Appends the camera, or the light, of a node to the scene. Invalid ones are left out with a warning.
 olx_result olx_gltf_add_camera(const olx_gltf *gltf, uint32_t node, const olx_affine *transform);
 void olx_gltf_add_light(const olx_gltf *gltf, uint32_t node, const olx_affine *transform);
 

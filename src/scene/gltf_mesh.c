@@ -19,7 +19,7 @@ static const olx_gltf_accessor *accessor_at(const olx_gltf *gltf, uint32_t index
   return index == OLX_GLTF_NONE ? NULL : &gltf->accessor_data[index];
 }
 
-// The accessor of an attribute; OLX_GLTF_NONE when the primitive has no attribute of that name.
+// Returns the accessor of an attribute; OLX_GLTF_NONE when the primitive has no attribute of that name.
 static uint32_t find_attribute(const olx_gltf *gltf, const cJSON *primitive, const char *name) {
   uint32_t index;
   olx_gltf_index(olx_json_member(primitive, "attributes"), name, gltf->accessors.count, &index);
@@ -75,7 +75,7 @@ static olx_result check_indices(const olx_gltf *gltf, uint32_t mesh, const cJSON
   return olx_gltf_fail(gltf, "meshes", mesh, "its indices are not unsigned numbers");
 }
 
-// Number of corners of a primitive, by its indices where it has them.
+// Returns the number of corners of a primitive, by its indices where it has them.
 static uint64_t corner_count(const olx_gltf *gltf, const cJSON *primitive) {
   uint32_t index;
   olx_gltf_index(primitive, "indices", gltf->accessors.count, &index);
@@ -165,7 +165,7 @@ static olx_result no_memory(const primitive_reader *r) {
   return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a mesh of %u vertices", r->gltf->path, r->vertices);
 }
 
-// The accessor of an attribute; OLX_GLTF_NONE when the primitive has none that matches its positions.
+// Returns the accessor of an attribute; OLX_GLTF_NONE when the primitive has none that matches its positions.
 static uint32_t usable_attribute(const primitive_reader *r, const char *name) {
   const uint32_t index = find_attribute(r->gltf, r->primitive, name);
   if (index == OLX_GLTF_NONE || r->gltf->accessor_data[index].count == r->vertices) return index;
@@ -334,7 +334,7 @@ static olx_result append_primitive(const primitive_reader *r, uint32_t mesh) {
   return olx_scene_append_mesh(r->gltf->scene, name, &appended);
 }
 
-// Whether a primitive has visible triangles; fully transparent ones are counted.
+// Returns whether a primitive has visible triangles; fully transparent ones are counted.
 static bool has_triangles(const olx_gltf *gltf, const cJSON *primitive, const olx_gltf_surface *surface,
                           olx_model_notes *notes) {
   const uint64_t corners = corner_count(gltf, primitive);

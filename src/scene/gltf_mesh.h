@@ -8,8 +8,8 @@
 // Rejects primitives whose accessors do not exist or whose elements do not match their attribute.
 olx_result olx_gltf_check_meshes(const olx_gltf *gltf);
 
-// The cost of reading a mesh, in triangles: those of each primitive, or as many as its vertices would make, and at
-// least one.
+// Returns the cost of reading a mesh, in triangles: those of each primitive, or as many as its vertices would make, and
+// at least one.
 uint64_t olx_gltf_mesh_triangles(const olx_gltf *gltf, uint32_t mesh);
 
 // Counts collected while meshes are added, for one warning of each kind.

@@ -5,7 +5,7 @@
 
 #include "scene/gltf_document.h"
 
-// The extension of a view or a buffer, under any of its names; NULL without it.
+// Returns the extension of a view or a buffer, under any of its names; NULL without it.
 const cJSON *olx_gltf_meshopt_of(const cJSON *element);
 
 // Rejects modes, filters and sizes that are invalid for a compressed view of `size_bytes`, before memory is allocated.
@@ -13,7 +13,7 @@ const cJSON *olx_gltf_meshopt_of(const cJSON *element);
 olx_result olx_gltf_meshopt_check(const olx_gltf *gltf, uint32_t view, const cJSON *compressed, uint64_t size_bytes,
                                   uint64_t *stride);
 
-// Size of a view after decompression, in bytes.
+// Returns the size of a view after decompression, in bytes.
 uint64_t olx_gltf_meshopt_size(const cJSON *compressed);
 
 // Decompresses a view that has been checked. On success the caller releases *decoded, olx_gltf_meshopt_size bytes, with

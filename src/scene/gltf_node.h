@@ -15,8 +15,8 @@ typedef struct olx_gltf_roots {
 // releases roots->nodes, also after a failure.
 olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots);
 
-// The transform of a node to its parent's space. Where the scene is far from the origin, translations keep the file's
-// precision.
+// Returns the transform of a node to its parent's space. Where the scene is far from the origin, translations keep the
+// file's precision.
 olx_affine olx_gltf_node_transform(const olx_gltf *gltf, uint32_t node);
 
 // Calls `visit` for every node below the roots, parents before children, with its transform. Stops at the first

@@ -1,6 +1,6 @@
 // KHR_materials_specular in terms of what a material holds: a specular weight w, with F0 = 0.04 w and F90 = w
 // (docs/maths.md, "materials"). The extension's F0 is min(0.04 colour, 1) factor, and its F90 is the factor. So factors
-// are exact; of a colour its luminance counts, which then dims grazing reflections as well.
+// are exact; a colour contributes only its luminance, which then dims grazing reflections as well.
 #ifndef OLX_SCENE_GLTF_SPECULAR_H
 #define OLX_SCENE_GLTF_SPECULAR_H
 
@@ -17,7 +17,7 @@ typedef struct olx_gltf_specular {
                                         // a table of textures, or OLX_NO_TEXTURE
 } olx_gltf_specular;
 
-// The specular weight that gives F0 the luminance that it has by the extension, at most 1.
+// Returns the specular weight that gives F0 the luminance that it has by the extension, at most 1.
 float olx_gltf_specular_weight(float factor, olx_vec3 color);
 
 // Makes one texture of the images, which have been decoded, for a material that has the weight of the factors:

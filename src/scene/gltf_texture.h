@@ -22,7 +22,7 @@ olx_gltf_placement olx_gltf_read_placement(const cJSON *info);
 
 bool olx_gltf_same_placement(const olx_gltf_placement *a, const olx_gltf_placement *b);
 
-// The index of the placement, which is added when it is new; false when there are two others.
+// Finds the index of the placement, which is added when it is new; false when there are two others.
 bool olx_gltf_find_placement(olx_gltf_placements *placements, const olx_gltf_placement *place, uint32_t *number);
 
 olx_vec2 olx_gltf_place_uv(const olx_gltf_placement *place, olx_vec2 uv);

@@ -19,7 +19,7 @@ typedef struct gltf_import {
   uint32_t skinned;
 } gltf_import;
 
-// The mesh of a node; OLX_GLTF_NONE without one.
+// Returns the mesh of a node; OLX_GLTF_NONE without one.
 static uint32_t mesh_of(const olx_gltf *gltf, uint32_t node) {
   uint32_t mesh;
   olx_gltf_index(gltf->nodes.elements[node], "mesh", gltf->meshes.count, &mesh);

@@ -4,7 +4,7 @@
 
 #include "scene/scene_data.h"
 
-// The limits, with a default in place of every 0.
+// Returns the limits, with a default in place of every 0.
 olx_scene_limits olx_import_limits(const olx_scene_limits *given);
 
 typedef enum olx_import_limit {
@@ -20,7 +20,7 @@ typedef enum olx_import_limit {
 olx_result olx_import_check_limit(const olx_scene *scene, olx_import_limit limit, uint64_t found, const char *path,
                                   const char *element);
 
-// Total number of texels of the scene's images.
+// Returns the total number of texels of the scene's images.
 uint64_t olx_scene_texels(const olx_scene *scene);
 
 #endif

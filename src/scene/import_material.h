@@ -34,7 +34,7 @@ olx_result olx_import_load_textures(olx_material_import *import, uint32_t first)
 
 void olx_import_warn_about_materials(const olx_material_import *import);
 
-// Whether surfaces with this material are fully transparent, whatever its textures contain.
+// Returns whether surfaces with this material are fully transparent, whatever its textures contain.
 static inline bool olx_material_absent(const olx_material *material) {
   return material->alpha < material->alpha_cutoff;
 }

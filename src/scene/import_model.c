@@ -11,7 +11,7 @@ static bool has_extension(const char *path, const char *extension) {
   return length >= tail && strcasecmp(path + length - tail, extension) == 0;
 }
 
-// The largest factor by which a transform stretches an axis.
+// Returns the largest factor by which a transform stretches an axis.
 static double largest_scale(const olx_affine *a) {
   double largest = 0.0;
   for (int c = 0; c < 3; ++c) {

@@ -78,7 +78,7 @@ static void fill_vertices(obj_import *import, const struct aiMesh *mesh, const o
       const olx_vec3 turned = olx_affine_vector(&normals, olx_normalize(olx_v3(n.x, n.y, n.z)));
       out->normals[i] = olx_scale(turned, (float)mirrored);
     }
-    // Assimp's v increases upwards from the bottom of the image, the scene's downwards from its top.
+    // Assimp's v increases upwards from the bottom of the image, while the scene's increases downwards from its top.
     if (out->uvs) out->uvs[i] = (olx_vec2){mesh->mTextureCoords[0][i].x, 1.0f - mesh->mTextureCoords[0][i].y};
   }
   olx_note_farthest(&import->notes, farthest, transform);

@@ -19,7 +19,7 @@ typedef struct jpeg_reader {
   size_t size_bytes, at;
 } jpeg_reader;
 
-// The next marker, after any bytes FF; END where there is none.
+// Returns the next marker, after any bytes FF; END where there is none.
 static uint32_t next_marker(jpeg_reader *r) {
   while (r->at < r->size_bytes && r->data[r->at] != 0xFF) r->at++;
   while (r->at < r->size_bytes && r->data[r->at] == 0xFF) r->at++;

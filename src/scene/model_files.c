@@ -21,7 +21,7 @@
 
 enum { MOST_PATH = 4096 };
 
-// The folder that contains `path`, with links resolved; false when it cannot be found.
+// Finds the folder that contains `path`, with links resolved; false when it cannot be found.
 static bool folder_of(const char *path, char folder[static MOST_PATH]) {
   char named[MOST_PATH];
   const char *slash = strrchr(path, '/');
@@ -148,7 +148,7 @@ static olx_result check_material_file(model_reader *reader, const char *path, co
                                 path, "newmtl");
 }
 
-// Whether a file has been read before; marks it as read.
+// Finds whether a file has been read before; marks it as read.
 static olx_result note_file(model_reader *reader, const char *path, bool *before) {
   struct stat status;
   *before = false;

@@ -75,7 +75,7 @@ static olx_result check_limits(const obj_checker *c, const char *element) {
                                 element);
 }
 
-// Checks a line. `continued`: the line before ends with a backslash or, as Assimp reads it, contains one.
+// Checks a line. `continued` says whether the previous line ends with a backslash or, as Assimp reads it, contains one.
 static olx_result check_line(obj_checker *c, const char *line, const char *stop, bool continued, unsigned number) {
   if (!continued) c->polygon = false;
   if (line == stop) return OLX_OK;

@@ -88,7 +88,7 @@ olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index) {
   return index < scene->camera_count ? scene->cameras[index] : (olx_camera){.name = ""};
 }
 
-// A camera at a corner above and in front, far enough that the sphere around the bounds fits the field of view.
+// Returns a camera at a corner above and in front, far enough that the sphere around the bounds fits the field of view.
 static olx_camera overview_camera(const olx_scene *scene) {
   const olx_vec3 center = olx_scale(olx_add(scene->bounds_min, scene->bounds_max), 0.5f);
   const float radius = 0.5f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));

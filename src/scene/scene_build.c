@@ -15,7 +15,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-// Capacity of an array: the next power of two of its count, so that capacities need not be stored.
+// Returns the capacity of an array: the next power of two of its count, so that capacities need not be stored.
 static uint64_t capacity_for(uint64_t count) {
   uint64_t capacity = 16;
   while (capacity < count) capacity *= 2;

@@ -4,13 +4,13 @@
 
 #include "scene/local_frame.h"
 
-// A material with Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
+// Returns a material with Lambertian defaults: base colour 0.8, specular weight 0, roughness 1, no textures.
 olx_material olx_material_default(void);
 
 // Allocates an array of `count` elements with the capacity that the functions below expect when they append to it.
 void *olx_scene_array(uint32_t count, size_t element_bytes);
 
-// Whether a triangle's corners exist and lie within the limit of positions, and whether it has an area.
+// Returns whether a triangle's corners exist and lie within the limit of positions, and whether it has an area.
 bool olx_sane_triangle(const olx_scene *scene, const olx_vec3 *positions, uint32_t vertex_count,
                        const uint32_t corner[3]);
 

@@ -10,6 +10,12 @@ typedef struct olx_box {
   olx_vec3 min, max;
 } olx_box;
 
+// Returns whether a point lies in a box or on its faces.
+static inline bool olx_box_holds(const olx_box *box, olx_vec3 p) {
+  return p.x >= box->min.x && p.y >= box->min.y && p.z >= box->min.z && p.x <= box->max.x && p.y <= box->max.y &&
+         p.z <= box->max.z;
+}
+
 // The description's rules for probes, for every placement method.
 typedef struct olx_probe_rules {
   olx_vec3 *pinned;   // probes that are always placed

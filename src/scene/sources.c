@@ -5,8 +5,6 @@
 #include "core/hooks.h"
 #include "core/result.h"
 
-#include <limits.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -28,14 +26,6 @@ olx_result olx_scene_note_source(olx_scene *scene, const char *path) {
   }
   scene->sources[scene->source_count++] = (struct olx_scene_source){status.st_dev, status.st_ino};
   return OLX_OK;
-}
-
-olx_result olx_scene_note_named(olx_scene *scene, const char *by, const char *name, size_t length) {
-  char path[PATH_MAX];
-  const char *slash = strrchr(by, '/');
-  const int folder = slash && length && name[0] != '/' ? (int)(slash - by) + 1 : 0;
-  const int used = snprintf(path, sizeof path, "%.*s%.*s", folder, by, (int)length, name);
-  return used < (int)sizeof path ? olx_scene_note_source(scene, path) : OLX_OK; // longer paths do not exist
 }
 
 bool olx_scene_was_read_from(const olx_scene *scene, const char *path) {

@@ -7,9 +7,6 @@
 // Records that a file belongs to the scene. A path that leads to no regular file is ignored.
 olx_result olx_scene_note_source(olx_scene *scene, const char *path);
 
-// Records a file that another one names, relative to that one's folder.
-olx_result olx_scene_note_named(olx_scene *scene, const char *by, const char *name, size_t length);
-
 // Rejects an output that is one of the scene's files.
 olx_result olx_scene_check_output(const olx_scene *scene, const char *path);
 

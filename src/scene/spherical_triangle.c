@@ -7,7 +7,7 @@ float olx_spherical_triangle_area(const olx_vec3 corners[3]) {
   return 2.0f * atan2f(volume, 1.0f + olx_dot(a, b) + olx_dot(b, c) + olx_dot(c, a));
 }
 
-// The component of v perpendicular to the unit vector `axis`, normalized.
+// Returns the component of v perpendicular to the unit vector `axis`, normalized.
 static olx_vec3 across(olx_vec3 v, olx_vec3 axis) { return olx_normalize(olx_madd(v, axis, -olx_dot(v, axis))); }
 
 olx_vec3 olx_spherical_triangle_sample(const olx_vec3 corners[3], olx_vec2 random) {

@@ -29,7 +29,7 @@ static olx_vec2 interpolate_uv(const olx_vec2 *uvs, const olx_corners *corners, 
   return (olx_vec2){a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v};
 }
 
-// Texture coordinates at a hit: those of most textures, and the second set of the others.
+// Texture coordinates at a hit: the set that most textures use, and the second set, which the others use.
 typedef struct olx_place_uvs {
   olx_vec2 first, second;
 } olx_place_uvs;
@@ -62,7 +62,7 @@ static olx_vec4 interpolate_four(const olx_vec4 *numbers, const olx_corners *cor
                     a.w * w + b.w * u + c.w * v};
 }
 
-// The interpolated vertex colour, which multiplies the base colour.
+// Returns the interpolated vertex colour, which multiplies the base colour.
 static olx_vec3 tint_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u,
                         float v) {
   if (!material->vertex_colors) return olx_splat(1.0f);
@@ -113,7 +113,8 @@ olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u
   return emission_at_uvs(scene, material, uvs_at(scene, material, &corners, u, v));
 }
 
-// The normal that a normal or height map holds, in the tangent frame: x along increasing u, y along decreasing v.
+// Returns the normal that a normal or height map holds, in the tangent frame: x along increasing u, y along decreasing
+// v.
 static olx_vec3 mapped_normal(const olx_material *material, const olx_texture *texture, olx_vec2 uv) {
   if (!material->normal_is_height) {
     const olx_vec3 n = olx_add(olx_scale(olx_texture_sample(texture, uv).color, 2.0f), olx_splat(-1.0f));
@@ -133,7 +134,7 @@ typedef struct tangent_frame {
   olx_vec3 tangent, bitangent;
 } tangent_frame;
 
-// The frame of a normal map from the triangle's texture coordinates; false where they are degenerate.
+// Computes the frame of a normal map from the triangle's texture coordinates; false where they are degenerate.
 static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, const olx_corners *c, olx_vec3 normal,
                          tangent_frame *frame) {
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_NORMAL ? scene->second_uvs : scene->uvs;
@@ -151,8 +152,8 @@ static bool frame_by_uvs(const olx_scene *scene, const olx_material *material, c
   return true;
 }
 
-// The frame of a normal map from the vertices' tangents; false where they have none. Their handedness is for normals
-// that are not flipped.
+// Computes the frame of a normal map from the vertices' tangents; false where they have none. Their handedness is for
+// normals that are not flipped.
 static bool frame_by_tangents(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 normal,
                               tangent_frame *frame) {
   if (!scene->tangents) return false;
@@ -181,7 +182,7 @@ static olx_vec3 bend_normal(const olx_scene *scene, const olx_material *material
   return length > 0.0f ? olx_scale(bent, 1.0f / length) : normal;
 }
 
-// The interpolated vertex normal, on the side of `outward`, the unit normal of the triangle's winding.
+// Returns the interpolated vertex normal, on the side of `outward`, the unit normal of the triangle's winding.
 static olx_vec3 vertex_normal(const olx_scene *scene, const olx_corners *c, float u, float v, olx_vec3 outward) {
   const olx_vec3 n =
       olx_normalize(interpolate(scene->normals[c->i0], scene->normals[c->i1], scene->normals[c->i2], u, v));
@@ -190,7 +191,8 @@ static olx_vec3 vertex_normal(const olx_scene *scene, const olx_corners *c, floa
   return agreement < 0.0f ? olx_negate(n) : n;
 }
 
-// A shading normal: never quite perpendicular to the triangle's normal, and on the side that the ray came from.
+// Returns a shading normal that is never quite perpendicular to the triangle's normal, and on the side that the ray
+// came from.
 static olx_vec3 face(olx_vec3 n, olx_vec3 outward, bool back_face) {
   const float cosine = olx_dot(n, outward);
   if (cosine < OLX_MIN_NORMAL_COSINE) n = olx_normalize(olx_madd(n, outward, OLX_MIN_NORMAL_COSINE - cosine));
@@ -211,7 +213,7 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
   return face(vertex_normal(scene, &c, hit->u, hit->v, outward), outward, surface->back_face);
 }
 
-// The base colour at a hit, multiplied by the vertex colour `tint` and clamped.
+// Returns the base colour at a hit, multiplied by the vertex colour `tint` and clamped.
 static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs,
                                      olx_vec3 tint) {
   olx_vec3 base_color = olx_mul(material->base_color, tint);
@@ -241,7 +243,7 @@ static void look_up_material(const olx_scene *scene, const olx_material *materia
       surface->back_face && !material->emits_both_sides ? olx_splat(0.0f) : emission_at_uvs(scene, material, uvs);
 }
 
-// The offset from `position` towards the triangle's centre, no longer than `length`.
+// Returns the offset from `position` towards the triangle's centre, no longer than `length`.
 static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float length) {
   const olx_vec3 middle = interpolate(c->p0, c->p1, c->p2, 1.0f / 3.0f, 1.0f / 3.0f);
   const olx_vec3 way = olx_sub(middle, position);
@@ -252,20 +254,6 @@ static olx_vec3 step_inward(const olx_corners *c, olx_vec3 position, float lengt
 static bool varies_over_triangle(const olx_material *material) {
   return has_texture(material->base_color_texture) || has_texture(material->metallic_roughness_texture) ||
          has_texture(material->emission_texture) || material->vertex_colors;
-}
-
-bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo) {
-  const olx_material *material = &scene->materials[surface->material];
-  *albedo = surface->bsdf.albedo;
-  if (!varies_over_triangle(material)) return true;
-  if (has_texture(material->metallic_roughness_texture) || has_texture(material->emission_texture) ||
-      material->metallic > 0.0f) {
-    return false;
-  }
-  const olx_corners c = corners_of(scene, hit->triangle);
-  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
-  *albedo = base_color_at(scene, material, uvs, tint_at(scene, material, &c, hit->u, hit->v));
-  return true;
 }
 
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
@@ -308,7 +296,7 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
   return olx_surface_near(scene, hit, direction, NULL);
 }
 
-// The point slightly off the surface, on the side that `direction` points to.
+// Returns the point slightly off the surface, on the side that `direction` points to.
 static olx_vec3 offset_origin(const olx_surface *surface, olx_vec3 direction) {
   const float side = olx_dot(direction, surface->geometric_normal) >= 0.0f ? 1.0f : -1.0f;
   return olx_madd(olx_add(surface->position, surface->inward), surface->geometric_normal, side * surface->epsilon);

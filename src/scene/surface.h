@@ -32,28 +32,26 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 
-// The interpolated vertex normal, without a normal map, at the hit of `surface`, on the same side.
+// Returns the interpolated vertex normal, without a normal map, at the hit of `surface`, on the same side.
 olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface);
 
-// The albedo at another hit on the material of `surface`, when only its colour varies; false when other properties do.
-bool olx_surface_albedo(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 *albedo);
-
-// Whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
+// Returns whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
 
-// Radiance that leaves the triangle on an emitting side.
+// Returns the radiance that leaves the triangle on an emitting side.
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v);
 
-// Error bound of points computed on the triangle: a share of its largest coordinate, never an absolute length.
+// Returns the error bound of points computed on the triangle: a share of its largest coordinate, never an absolute
+// length.
 float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle);
 
-// A ray that leaves `position` on the side of the geometric normal that `direction` points to, without hitting its own
-// surface.
+// Returns a ray that leaves `position` on the side of the geometric normal that `direction` points to, without hitting
+// its own surface.
 olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_max);
-// A ray from the surface to another point, which ends `epsilon_end` before it; its direction is unit.
+// Returns a ray from the surface to another point, which ends `epsilon_end` before it; its direction is unit.
 olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);
 
-// Whether the triangle's material emits anywhere on it: cheaper than its emission at a point.
+// Returns whether the triangle's material emits anywhere on it: cheaper than its emission at a point.
 static inline bool olx_triangle_may_emit(const olx_scene *scene, uint32_t triangle) {
   return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
 }

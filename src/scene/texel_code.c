@@ -29,7 +29,7 @@ static void rice_update(rice_state *state, uint32_t value) {
 
 // ---- Prediction
 
-// The value of a channel relative to green, so that grey texels cost little.
+// Returns the value of a channel relative to green, so that grey texels cost little.
 static inline uint8_t plane_value(const uint8_t *texel, uint32_t channel) {
   return channel == 0 || channel == 2 ? (uint8_t)(texel[channel] - texel[1]) : texel[channel];
 }

@@ -11,8 +11,8 @@ typedef struct olx_byte_buffer {
   size_t size_bytes, capacity_bytes;
 } olx_byte_buffer;
 
-// Number of channels that carry information: 4; 3 when alpha is 255 everywhere; 1 when, in addition, all texels are
-// grey.
+// Returns the number of channels that carry information: 4; 3 when alpha is 255 everywhere; 1 when, in addition, all
+// texels are grey.
 uint32_t olx_texel_channels(const olx_texture *texture);
 
 // Appends the first `channels` channels of a texture to `buffer`. Returns false when memory runs out.

@@ -71,7 +71,7 @@ static inline olx_texel texel_at(const olx_texture *texture, int32_t x, int32_t 
 
 olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y) { return texel_at(texture, x, y); }
 
-// Position of a texture coordinate among the texel centres, from -0.5 to size - 0.5.
+// Returns the position of a texture coordinate among the texel centres, from -0.5 to size - 0.5.
 static float texel_position(float coordinate, uint32_t size) {
   const float fraction = coordinate - floorf(coordinate);
   return (isfinite(fraction) ? fraction : 0.0f) * (float)size - 0.5f;

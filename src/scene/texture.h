@@ -9,13 +9,13 @@ typedef struct olx_texel {
   float alpha;
 } olx_texel;
 
-// The texel at column x and row y, which wrap around at most once: -width <= x < 2 width.
+// Returns the texel at column x and row y, which wrap around at most once: -width <= x < 2 width.
 olx_texel olx_texture_texel(const olx_texture *texture, int32_t x, int32_t y);
 
 // Samples bilinearly with wrap-around, filtered in linear light; texel centres lie at (i + 0.5) / size.
 olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv);
 
-// The alpha that olx_texture_sample returns, bit for bit, without the cost of the colour.
+// Returns the alpha that olx_texture_sample returns, bit for bit, without the cost of the colour.
 float olx_texture_alpha(const olx_texture *texture, olx_vec2 uv);
 
 #endif

@@ -15,7 +15,8 @@ typedef enum olx_texture_use {
 olx_result olx_texture_load(const char *path, const void *data, size_t size_bytes, olx_texture_use use,
                             olx_texture *texture);
 
-// Number of texels of an image, from its header alone. Fails where olx_texture_load would fail because of the header.
+// Finds the number of texels of an image, from its header alone. Fails where olx_texture_load would fail because of the
+// header.
 olx_result olx_texture_measure(const char *path, const void *data, size_t size_bytes, uint64_t *texels);
 
 // Decodes a latitude-longitude .hdr or .exr image, distinguished by content, into width, height and texels of

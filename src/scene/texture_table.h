@@ -32,7 +32,7 @@ olx_result olx_texture_table_decode(olx_texture_table *table, const char *model_
 // Decodes all textures and appends them to the scene.
 olx_result olx_texture_table_load(olx_texture_table *table, const char *model_path, olx_scene *scene);
 
-// The scene's texture for an index of the table; OLX_NO_TEXTURE for OLX_NO_TEXTURE.
+// Returns the scene's texture for an index of the table; OLX_NO_TEXTURE for OLX_NO_TEXTURE.
 uint32_t olx_texture_table_resolve(const olx_texture_table *table, uint32_t number);
 
 void olx_texture_table_free(olx_texture_table *table);

@@ -4,16 +4,16 @@
 
 #include "core/vec.h"
 
-// Whether the axis separates the triangle (corners relative to the cube's centre) from the cube whose half side is
-// `half`.
+// Returns whether the axis separates the triangle (corners relative to the cube's centre) from the cube whose half side
+// is `half`.
 static inline bool olx_axis_separates(olx_vec3 axis, const olx_vec3 corners[3], float half) {
   const float a = olx_dot(axis, corners[0]), b = olx_dot(axis, corners[1]), c = olx_dot(axis, corners[2]);
   const float radius = half * (fabsf(axis.x) + fabsf(axis.y) + fabsf(axis.z));
   return olx_min(a, olx_min(b, c)) > radius || olx_max(a, olx_max(b, c)) < -radius;
 }
 
-// Whether no cross product of an edge of each separates them. The caller tests the cube's own axes and the triangle's
-// normal.
+// Returns whether no cross product of an edge of each separates them. The caller tests the cube's own axes and the
+// triangle's normal.
 static inline bool olx_triangle_edges_touch(const olx_vec3 corners[3], float half) {
   for (int i = 0; i < 3; i++) {
     const olx_vec3 e = olx_sub(corners[(i + 1) % 3], corners[i]);

@@ -89,7 +89,7 @@ static float probe_weight(const olx_irradiance_source *s, uint32_t terms, uint32
 }
 
 // Finds the nearest probe that sees a point, among the 4 x 4 x 4 around it, for a point that its cage hardly sees.
-// False when none of them sees it.
+// Returns false when none of them sees it.
 static bool nearest_visible(const olx_irradiance_source *s, uint32_t terms, bool keep_buried, const surface_point *p,
                             const olx_cage *cage, uint32_t *nearest) {
   float nearest_distance = INFINITY;

@@ -132,8 +132,7 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
 }
 
 // Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
-// It is 0 when texel and point lie on opposite sides of that surface, like floors on both sides of a wall that stands
-// on them.
+// It is 0 when texel and point lie on opposite sides of that surface, like floors on both sides of a wall.
 static float passes(const seen_texel *texel, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
   if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;

@@ -14,8 +14,8 @@ static inline float olx_octahedral_depth(const olx_march *m, const olx_piece *p,
 }
 
 // Returns whether the ray is in front of or on every plane of the block read last, over [t0, t1] and any part of it,
-// even when rounding moves the part's ends. Planes in the pool are not read: the block's greatest inverse depth stands
-// in for them.
+// even when rounding moves the part's ends. Planes in the pool are not read: the block's greatest inverse depth is used
+// instead.
 static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, float t0, float t1) {
   const uint32_t form = m->block->words[3] >> 30;
   const float begin = t0 - p->slack, end = t1 + p->slack;

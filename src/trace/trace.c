@@ -135,8 +135,8 @@ static uint32_t first_choice(const search *s, const uint32_t choices[OLX_CHOICES
   return OLX_NO_PROBE;
 }
 
-// Returns the nearest probe at first; later, that neighbour of the last tried probe in whose direction the ray was
-// lost.
+// Returns the nearest probe at first; later, the neighbour of the last tried probe in the direction in which the ray
+// was lost.
 static uint32_t next_neighbour(const search *s, uint32_t last) {
   if (s->attempts == 0) return olx_voronoi_nearest(s->field, s->origin, s->settings->keep_buried);
   uint32_t choices[OLX_CHOICES];

@@ -98,8 +98,8 @@ static void record_accumulate(const olx_vulkan_frame *f, VkCommandBuffer command
       .before = before->constants,
       .size = packed_size(f),
       .flags = s->denoise.lobes | (s->denoise.frame == 0 ? OLX_DENOISE_RESTART : 0u) |
-               (f->image_flags & OLX_FRAME_NORMAL_UNORM ? OLX_DENOISE_NORMAL_UNORM : 0u) | (now->mirrored ? OLX_DENOISE_MIRRORED : 0u) |
-               (before->mirrored ? OLX_DENOISE_MIRRORED_BEFORE : 0u),
+               (f->image_flags & OLX_FRAME_NORMAL_UNORM ? OLX_DENOISE_NORMAL_UNORM : 0u) |
+               (now->mirrored ? OLX_DENOISE_MIRRORED : 0u) | (before->mirrored ? OLX_DENOISE_MIRRORED_BEFORE : 0u),
       .empty_depth = view->empty_depth,
       .diffuse_history = filters->diffuse.history,
       .diffuse_still_history = filters->diffuse.still_history,

@@ -210,7 +210,7 @@ static olx_result begin(olx_vulkan_field *gpu, const olx_relight *relight, const
   r->gpu = gpu;
   r->lights = &relight->lights;
   r->settings = *settings;
-  olx_relight_lay_out(r, relight);
+  olx_gpu_relight_lay_out(r, relight);
   const olx_result result = make_buffers(r);
   if (result == OLX_OK) *created = r;
   else olx_vulkan_relight_destroy(r);
@@ -219,7 +219,7 @@ static olx_result begin(olx_vulkan_field *gpu, const olx_relight *relight, const
 
 static olx_result finish(olx_vulkan_relight *r, const olx_relight *relight) {
   OLX_TRY(bind_buffers(r));
-  OLX_TRY(olx_relight_fill(r, relight));
+  OLX_TRY(olx_gpu_relight_fill(r, relight));
   return make_pipelines(r);
 }
 

@@ -76,8 +76,8 @@ struct olx_vulkan_relight {
 };
 
 // Computes the offsets in the buffers and the number of words of each.
-void olx_relight_lay_out(olx_vulkan_relight *v, const olx_relight *relight);
+void olx_gpu_relight_lay_out(olx_vulkan_relight *v, const olx_relight *relight);
 // Fills the buffers with the structure of a relighter's field and its present light.
-olx_result olx_relight_fill(olx_vulkan_relight *v, const olx_relight *relight);
+olx_result olx_gpu_relight_fill(olx_vulkan_relight *v, const olx_relight *relight);
 
 #endif

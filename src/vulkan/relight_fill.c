@@ -60,7 +60,7 @@ static void lay_out_structure(olx_gpu_relight *c, const olx_relight_data *d, olx
   v->buffers[OLX_BUFFER_SITES].words = (uint64_t)(end - (const char *)d->blocks) / sizeof(uint32_t);
 }
 
-void olx_relight_lay_out(olx_vulkan_relight *v, const olx_relight *r) {
+void olx_gpu_relight_lay_out(olx_vulkan_relight *v, const olx_relight *r) {
   const olx_relight_header *h = r->source->relight.header;
   const olx_gpu_words *words = v->gpu->words;
   const uint32_t side = olx_relit_tile_side(r->source->n);
@@ -105,7 +105,7 @@ static olx_result copy_structure(olx_vulkan_relight *v, const olx_relight_data *
   return copy_words(v, uploader, OLX_BUFFER_SITES, 0, d->blocks, v->buffers[OLX_BUFFER_SITES].words);
 }
 
-olx_result olx_relight_fill(olx_vulkan_relight *v, const olx_relight *relight) {
+olx_result olx_gpu_relight_fill(olx_vulkan_relight *v, const olx_relight *relight) {
   olx_uploader uploader;
   olx_result result = olx_uploader_begin(&v->gpu->context, &uploader);
   if (result == OLX_OK) result = copy_state(v, &relight->surfels, &uploader);

@@ -104,9 +104,11 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
   for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
     gpu->words[i] = words[i];
     gpu->words[i].offset = gpu->buffer_bytes;
-    gpu->buffer_bytes += i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
+    gpu->buffer_bytes +=
+        i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
   }
-  return check_range(&gpu->context, gpu->buffer_bytes - first, "pyramids, selectors, emission, planes, lights and volume");
+  return check_range(&gpu->context, gpu->buffer_bytes - first,
+                     "pyramids, selectors, emission, planes, lights and volume");
 }
 
 // Returns the offset of a part, in words of the array.

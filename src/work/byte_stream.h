@@ -23,7 +23,7 @@ typedef struct olx_byte_reader {
   bool failed; // more was read than there is
 } olx_byte_reader;
 
-// The next elements, owned by the reader's owner; NULL where the bytes end before.
+// Returns the next elements, owned by the reader's owner; NULL where the bytes end before.
 const void *olx_bytes_get(olx_byte_reader *from, size_t count, size_t element_bytes);
 // Copies the next elements to `elements`, which is unchanged where the bytes end before.
 void olx_bytes_copy(olx_byte_reader *from, void *elements, size_t count, size_t element_bytes);

@@ -78,7 +78,8 @@ static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_
   s->settings.done(s->settings.user, &done);
 }
 
-// Whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another part.
+// Returns whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another
+// part.
 static bool is_mine(const olx_unit_store *s, const olx_unit_name *name) {
   uint32_t first = name->round;
   for (const char *c = name->stage; *c; c++) first = 31 * first + (uint32_t)*c;

@@ -36,7 +36,7 @@ void olx_unit_store_close(olx_unit_store *store, bool remove);
 
 bool olx_unit_store_is_part(const olx_unit_store *store); // false for NULL
 bool olx_unit_store_joins(const olx_unit_store *store);   // false for NULL
-// The folder's manifest, for joining.
+// Returns the folder's manifest, for joining.
 const olx_manifest *olx_unit_store_manifest(const olx_unit_store *store);
 
 // One stage in one round: units 0 to count - 1.
@@ -50,10 +50,10 @@ typedef struct olx_unit_stage {
                      olx_byte_reader *from); // replaces `make`; what it reads is valid only during the call
 } olx_unit_stage;
 
-// Whether unit 0 of a stage is stored; false for a NULL store.
+// Returns whether unit 0 of a stage is stored; false for a NULL store.
 bool olx_units_have(const olx_unit_store *store, const char *stage, uint32_t round);
 
-// Whether the units 0 to count - 1 of a stage are stored; false for a NULL store, unless count is 0.
+// Returns whether the units 0 to count - 1 of a stage are stored; false for a NULL store, unless count is 0.
 bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t count);
 // Removes unit 0 of some rounds of a stage. store may be NULL.
 void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_round, uint32_t rounds);

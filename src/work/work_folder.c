@@ -103,7 +103,7 @@ static bool is_unit_name(const char *name) {
   return skip_number(&rest) && *rest++ == '-' && skip_number(&rest) && strcmp(rest, SUFFIX) == 0;
 }
 
-// Whether the manifest accounts for a file: it lists the stages whose units the folder may hold.
+// Returns whether the manifest accounts for a file: it lists the stages whose units the folder may hold.
 static bool is_named(const olx_work_folder *f, const char *file) {
   char stage[MOST_STAGE + 1] = "";
   if (!is_unit_name(file)) return false;
@@ -377,7 +377,7 @@ static olx_result lock_folder(const olx_work_folder *f, olx_work_lock lock) {
   return olx_fail(OLX_ERROR_FILE, "%s: another bake works in this folder", f->path);
 }
 
-// Whether the folder still has its name; the program that had locked it may have removed it.
+// Returns whether the folder still has its name; the program that had locked it may have removed it.
 static bool still_there(const olx_work_folder *f) {
   struct stat opened, named;
   return fstat(f->descriptor, &opened) == 0 && lstat(f->path, &named) == 0 && opened.st_dev == named.st_dev &&
@@ -435,5 +435,4 @@ void olx_work_folder_remove(olx_work_folder *f) {
 }
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *f) { return &f->manifest; }
-const char *olx_work_folder_path(const olx_work_folder *f) { return f->path; }
 uint64_t olx_work_folder_bytes(const olx_work_folder *f) { return f->bytes; }

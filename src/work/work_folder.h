@@ -23,7 +23,7 @@ typedef struct olx_manifest {
 
 void olx_manifest_add(olx_manifest *manifest, const char *name, const char *value);
 void olx_manifest_add_hash(olx_manifest *manifest, const char *name, uint64_t hash);
-// The value of a line; "" when the manifest has no line of that name.
+// Returns the value of a line; "" when the manifest has no line of that name.
 typedef struct olx_manifest_value {
   char text[256];
 } olx_manifest_value;
@@ -58,11 +58,10 @@ void olx_work_folder_close(olx_work_folder *folder);
 void olx_work_folder_remove(olx_work_folder *folder);
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *folder);
-const char *olx_work_folder_path(const olx_work_folder *folder);
-// Total bytes of the units that existed when it was opened and that were stored since.
+// Returns the total size in bytes of the units that existed when it was opened and that were stored since.
 uint64_t olx_work_folder_bytes(const olx_work_folder *folder);
 
-// Whether the unit is stored.
+// Returns whether the unit is stored.
 bool olx_work_folder_has(const olx_work_folder *folder, const olx_unit_name *name);
 // Stores the result of a unit, in place of an existing one.
 olx_result olx_work_folder_put(olx_work_folder *folder, const olx_unit_name *name, const void *data, size_t size_bytes);

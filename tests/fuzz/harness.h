@@ -18,7 +18,7 @@ const scene_folder *fuzz_folder(void);
 // free().
 uint8_t *fuzz_copy(const uint8_t *data, size_t size_bytes);
 
-// To be called before and after each input: checks that no memory is left, and that no more was requested than `factor`
+// Is called before and after each input: checks that no memory is left, and that no more was requested than `factor`
 // bytes for each byte of the input and 64 MiB.
 void fuzz_begin(void);
 void fuzz_end(size_t size_bytes, size_t factor);

@@ -22,8 +22,8 @@ struct raster_material {
   uint flags, unused0, unused1, unused2;
 };
 
-const uint EMITS_BOTH_SIDES = 1u, NORMAL_MAP = 2u, NORMAL_IS_HEIGHT = 4u, ALPHA_MAP = 8u, VERTEX_COLORS = 16u, RARE = 32u,
-           SPECULAR_IN_ALPHA = 64u;
+const uint EMITS_BOTH_SIDES = 1u, NORMAL_MAP = 2u, NORMAL_IS_HEIGHT = 4u, ALPHA_MAP = 8u, VERTEX_COLORS = 16u,
+           RARE = 32u, SPECULAR_IN_ALPHA = 64u;
 // Flags of textures that use second_uv.
 const uint SECOND_BASE_COLOR = 256u, SECOND_ALPHA = 512u, SECOND_METALLIC_ROUGHNESS = 1024u, SECOND_EMISSION = 2048u,
            SECOND_NORMAL = 4096u;

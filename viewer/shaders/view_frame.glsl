@@ -11,8 +11,9 @@ bool has_flag(uint flag) { return (view.flags & flag) != 0u; }
 
 olx_sample_settings view_settings(bool emitters) {
   uint hits = has_flag(VIEW_FLAG_STORED) ? OLX_HITS_STORED : OLX_HITS_SHADED;
-  return olx_sample_settings(view.tracer, view.select, has_flag(VIEW_FLAG_VISIBILITY), olx_sample_settings_default().max_probes,
-                             has_flag(VIEW_FLAG_KEEP_BURIED), emitters, hits, 0.0);
+  return olx_sample_settings(view.tracer, view.select, has_flag(VIEW_FLAG_VISIBILITY),
+                             olx_sample_settings_default().max_probes, has_flag(VIEW_FLAG_KEEP_BURIED), emitters,
+                             hits, 0.0);
 }
 
 vec3 srgb(vec3 linear) {

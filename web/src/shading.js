@@ -36,7 +36,7 @@ vec3 olx_shown = vec3(0.0);
 vec2 olx_pixel_random() {
   vec2 at = gl_FragCoord.xy - olx_viewport.xy;
   uvec2 pixel = uvec2(at.x, olx_viewport.w - at.y);
-  return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), 0x85EBCA6Bu + 3u));
+  return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), OLX_SALT_BRANCH + OLX_GLOSSY_BRANCH));
 }
 
 // Where the ray through the middle of the pixel meets the plane of the triangle. What is interpolated lies on that

@@ -17,7 +17,8 @@ vec4 diffuse(ivec2 pixel, float depth) {
   vec4 sum = vec4(normal, 0.0);
   for (int i = 0; i < 4; i++) {
     ivec2 texel = first + ivec2(i & 1, i >> 1), inside = olx_border_source(texel, int(olx_field.n));
-    sum += vec4(olx_texel_indirect(origin, inside) + olx_texel_normal(origin, texel), olx_texel_distance(origin, texel));
+    sum += vec4(olx_texel_indirect(origin, inside) + olx_texel_normal(origin, texel),
+                olx_texel_distance(origin, texel));
   }
   return sum;
 }

@@ -53,7 +53,8 @@ static olx_result expected_of(const olx_bake_run *b, const olx_field_header *hea
   const uint32_t most_cells = olx_volume_is_baked(s) ? s->volume_cells : 0;
   olx_texel_bytes texels;
   OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
-  *bytes = olx_expected_bytes(header, olx_expected_volume_bytes(b->context.scene, s->radiance_size, most_cells), &texels);
+  *bytes =
+      olx_expected_bytes(header, olx_expected_volume_bytes(b->context.scene, s->radiance_size, most_cells), &texels);
   return OLX_OK;
 }
 
@@ -91,12 +92,13 @@ static olx_result check_available(const olx_bake_sizes *sizes, const char *path)
 }
 
 // Checks the settings and describes a bake that does not begin.
-static olx_result describe(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
-                           olx_bake_run *b, olx_field_header *header) {
+static olx_result describe(const olx_scene *scene, const olx_bake_settings *settings, const char *path, olx_bake_run *b,
+                           olx_field_header *header) {
   OLX_TRY(olx_bake_check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
   *b = (olx_bake_run){.context = {.scene = scene, .settings = settings, .distance_scale = 1.0f}};
-  b->context.probes.light_field.count = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  b->context.probes.light_field.count =
+      settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
   if (olx_bake_keeps_probe_light(settings))
     b->context.probes.irradiance.count = (uint32_t)grid_count(&settings->irradiance_grid);
   olx_bake_describe(b);
@@ -162,7 +164,8 @@ static olx_result refuse_budget(const olx_bake_settings *settings, double budget
   return olx_fail(OLX_ERROR_ARGUMENT,
                   "bake: a budget of %g MB does not hold a field of %llu probes: with the smallest maps, of %d x %d "
                   "texels, it takes %.3f MB; fewer probes take less",
-                  budget_mb, probes, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_LEAST, ceil((double)bytes * 1e-3) * 1e-3);
+                  budget_mb, probes, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_LEAST,
+                  ceil((double)bytes * 1e-3) * 1e-3);
 }
 
 olx_result olx_bake_size_for_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb,

@@ -40,10 +40,8 @@ olx_result olx_budget_count(const olx_world *world, const olx_place_settings *s,
   const olx_scene *scene = world->scene;
   olx_vec3 places[PLACES];
   olx_texel_bytes texels = {0};
-  const olx_planned_maps maps = {.scene = scene,
-                                 .positions = places,
-                                 .count = olx_world_spread(world, PLACES, places),
-                                 .size = s->resolution};
+  const olx_planned_maps maps = {
+      .scene = scene, .positions = places, .count = olx_world_spread(world, PLACES, places), .size = s->resolution};
   if (maps.count) OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
   *count = affordable(scene, s, &texels);
   if (*count) return OLX_OK;

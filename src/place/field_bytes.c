@@ -166,7 +166,9 @@ uint64_t olx_expected_bytes(const olx_field_header *header, double volume_bytes,
   olx_field_lay_out(header, &layout);
   double extra = volume_bytes;
   const bool lists_differ = info->probes.count > 1;
-  if (lists_differ && info->select_mask & 1u << OLX_SELECT_BRICKS) extra += BRICKS_SHARE * (double)olx_bricks_budget(maps);
+  if (lists_differ && info->select_mask & 1u << OLX_SELECT_BRICKS)
+    extra += BRICKS_SHARE * (double)olx_bricks_budget(maps);
   const double a_texel = texels->emission + (info->maps.geometry_blocks ? texels->planes : 0.0);
-  return layout.file_bytes + (uint64_t)(extra + a_texel * (double)info->probes.count * info->maps.size * info->maps.size);
+  return layout.file_bytes +
+         (uint64_t)(extra + a_texel * (double)info->probes.count * info->maps.size * info->maps.size);
 }

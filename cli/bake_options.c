@@ -2,7 +2,6 @@
 #include "bake_options.h"
 
 #include <octalux/limits.h>
-#include <octalux/place.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,6 +77,14 @@ double light_probe_count(const olx_bake_settings *settings) {
   return settings->probes ? (double)settings->probe_count : grid_probe_count(&settings->grid);
 }
 
+olx_result take_probes(const olx_probe_set *set, olx_bake_settings *settings) {
+  olx_vec3 *positions = malloc(set->count * sizeof *positions);
+  for (uint32_t i = 0; positions && i < set->count; ++i) positions[i] = set->probes[i].position;
+  settings->probes = positions;
+  settings->probe_count = set->count;
+  return positions ? OLX_OK : OLX_ERROR_MEMORY;
+}
+
 // Loads the positions from a file that `octalux place` wrote.
 static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake_settings *settings) {
   olx_probe_set set;
@@ -87,12 +94,9 @@ static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake
   if (set.scene_hash && set.scene_hash != info.hash) {
     fprintf(stderr, "octalux: %s: placed in another scene, or in another version of this one\n", path);
   }
-  olx_vec3 *positions = malloc(set.count * sizeof *positions);
-  for (uint32_t i = 0; positions && i < set.count; ++i) positions[i] = set.probes[i].position;
-  settings->probes = positions;
-  settings->probe_count = set.count;
+  const olx_result taken = take_probes(&set, settings);
   olx_probe_set_free(&set);
-  return positions ? OLX_OK : OLX_ERROR_MEMORY;
+  return taken;
 }
 
 void release_bake_settings(olx_bake_settings *settings) {

@@ -5,6 +5,7 @@
 #include "options.h"
 
 #include <octalux/bake.h>
+#include <octalux/place.h>
 
 typedef struct bake_options {
   olx_bake_settings settings; // the defaults, replaced where options were given
@@ -26,6 +27,8 @@ double light_probe_count(const olx_bake_settings *settings);
 // Completes the settings by what depends on the scene: grids, and probes from a file. The caller releases what they
 // hold after the bake.
 olx_result resolve_bake_options(const olx_scene *scene, const command_line *line, bake_options *given);
+// Copies the positions of a set into the settings.
+olx_result take_probes(const olx_probe_set *set, olx_bake_settings *settings);
 void release_bake_settings(olx_bake_settings *settings);
 
 #endif

@@ -1,4 +1,5 @@
 // octalux bake: bakes a scene into a field file, or prints the cost of the bake without running it.
+#include "bake_budget.h"
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"
@@ -15,6 +16,7 @@
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", light_probe_count(settings));
+  add_number(object, "radiance_size", settings->radiance_size);
   add_number(object, "irradiance_probes", irradiance_probe_count(settings));
   add_number(object, "buried", stats->buried);
   add_number(object, "irradiance_buried", stats->irradiance_buried);
@@ -85,9 +87,10 @@ static void add_bytes(cJSON *object, const char *key, uint64_t bytes) {
   else add_number(object, key, (double)bytes);
 }
 
-static int print_plan_json(const olx_bake_sizes *sizes, double seconds, bool fits) {
+static int print_plan_json(const olx_bake_settings *settings, const olx_bake_sizes *sizes, double seconds, bool fits) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", (double)sizes->probes);
+  add_number(object, "radiance_size", settings->radiance_size);
   add_number(object, "irradiance_probes", (double)sizes->irradiance_probes);
   add_bytes(object, "file_bytes", sizes->file_bytes);
   add_bytes(object, "expected_bytes", sizes->expected_bytes);
@@ -108,10 +111,12 @@ static const char *available(uint64_t bytes, size_text *text) {
   return bytes == UINT64_MAX ? "an unknown amount" : text->text;
 }
 
-static void print_plan(const char *path, const olx_bake_sizes *sizes, double seconds) {
+static void print_plan(const char *path, const olx_bake_settings *settings, const olx_bake_sizes *sizes,
+                       double seconds) {
   size_text free_bytes;
   printf("%s: nothing is baked; a bake would be\n", path);
   printf("  probes   %" PRIu64 " of light, %" PRIu64 " of irradiance\n", sizes->probes, sizes->irradiance_probes);
+  printf("  maps     %u x %u texels\n", settings->radiance_size, settings->radiance_size);
   printf("  file     about %s, %" PRIu64 " bytes at least; %s free\n", text_of_bytes(sizes->expected_bytes).text,
          sizes->file_bytes, available(sizes->available_disk_bytes, &free_bytes));
   if (sizes->device_bytes) printf("  GPU      %s\n", text_of_bytes(sizes->device_bytes).text);
@@ -129,6 +134,7 @@ typedef struct bake_command {
   work_options work;
   scene_options loading;
   const char *output;
+  double budget_mb;  // 0: not given
   uint32_t progress; // 1: shown even when nobody watches; 2: a line of JSON for each unit
   bool dry_run, json;
   work_line units;
@@ -151,8 +157,8 @@ static int plan_bake(const olx_scene *scene, const bake_command *c, const char *
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");
   if (result != OLX_OK) return library_failure("bake");
   int code = EXIT_DONE;
-  if (c->json) code = print_plan_json(&sizes, seconds, fits == OLX_OK);
-  else print_plan(path, &sizes, seconds);
+  if (c->json) code = print_plan_json(settings, &sizes, seconds, fits == OLX_OK);
+  else print_plan(path, settings, &sizes, seconds);
   return fits == OLX_OK ? code : failure("bake", "%s", why);
 }
 
@@ -241,6 +247,9 @@ static const option output_option[] = {
 };
 
 static const option run_options[] = {
+    {"--budget", OPTION_DOUBLE, offsetof(bake_command, budget_mb), "MB",
+     "place probes, and take the largest maps whose field fits, in 10^6 bytes; keeps --probes, --grid, "
+     "--radiance-size"},
     {"--dry-run", OPTION_FLAG, offsetof(bake_command, dry_run), NULL,
      "bake nothing: say how large, how much memory, about how long"},
     {"--progress", OPTION_FLAG_WORD, offsetof(bake_command, progress), "json",
@@ -286,6 +295,7 @@ int command_bake(int argc, char **argv) {
   c.units.json = c.progress == 2;
   code = check_scene_files("bake", &files, scene);
   if (code == EXIT_DONE && resolve_bake_options(scene, &line, &c.given) != OLX_OK) code = library_failure("bake");
+  if (code == EXIT_DONE && c.budget_mb > 0.0) code = fit_bake_budget(scene, &line, c.budget_mb, &c.given);
   if (code == EXIT_DONE) code = run_bake(scene, &c);
   release_bake_settings(&c.given.settings);
   olx_scene_free(scene);

@@ -42,7 +42,7 @@ static int print_place_json(const olx_probe_set *set) {
   add_number(object, "space_voxels", (double)report->space_voxels);
   add_number(object, "tiles", report->tiles);
   add_float(object, "voxel_metres", report->voxel_metres);
-  add_number(object, "field_bytes", (double)olx_light_field_bytes(set->count, set->settings.resolution));
+  add_number(object, "field_bytes", (double)report->field_bytes);
   add_number(object, "seconds", report->seconds);
   if (set->settings.optimize != OLX_OPTIMIZE_NONE) {
     add_text(object, "optimize", olx_place_optimizer_name(set->settings.optimize));
@@ -84,7 +84,7 @@ static void print_place(const char *path, const olx_probe_set *set) {
   const olx_place_report *report = &set->report;
   printf("%s: %u probes by %s, a field of about %s at %u texels a side\n", path, set->count,
          olx_place_method_name(set->settings.method),
-         text_of_bytes(olx_light_field_bytes(set->count, set->settings.resolution)).text, set->settings.resolution);
+         text_of_bytes(report->field_bytes).text, set->settings.resolution);
   printf("  covered    %.3f %%  of what rays from playable space meet (%" PRIu64 " held out), %.3f %% by area\n",
          100.0 * report->coverage, report->surfels, 100.0 * report->coverage_by_area);
   print_share("missed", report->missed, "could be covered: more probes, or a higher coverage");

@@ -190,6 +190,17 @@ class Scenes(Packaged):
                 np.testing.assert_array_equal(field.positions, probes.positions)
                 self.assertTrue(field.info.select_mask & 2)
 
+    def test_a_budget_gives_the_size_of_maps(self):
+        path, settings = self.path / "budget.olx", dict(grid=(2, 1, 2), noise=0.5, samples=1)
+        stats = octalux.bake(self.scene, path, budget_mb=0.1, **settings)
+        self.assertLessEqual(stats.file_bytes, 1.05 * 0.1e6)
+        with octalux.open(path) as field:
+            self.assertEqual(field.info.maps.size, 64)
+        self.refused(octalux.Result.ARGUMENT, "budget of 0.001 MB does not hold a field of 4 probes", octalux.bake, self.scene, path,
+                     budget_mb=0.001, **settings)
+        with self.assertRaisesRegex(ValueError, "exclude each other"):
+            octalux.bake(self.scene, path, budget_mb=1, radiance_size=64)
+
     def test_bakes_depend_on_settings_alone(self):
         settings = dict(grid=(2, 1, 2), radiance_size=16, noise=0.5, samples=1)
         for threads in (1, 3):

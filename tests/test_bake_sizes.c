@@ -5,6 +5,7 @@
 #include "scene_files.h"
 
 #include <octalux/bake.h>
+#include <octalux/limits.h>
 #include <octalux/place.h>
 
 #include <math.h>
@@ -97,6 +98,30 @@ static void bakes_take_what_they_say(void **state) {
   olx_set_hooks(NULL);
 }
 
+// A bake that takes a fraction of a second.
+static olx_bake_settings rough_settings(const olx_scene *scene, uint32_t radiance_size) {
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  settings.radiance_size = radiance_size;
+  settings.samples = 1;
+  settings.noise = 1.0f;
+  settings.bounces = 0;
+  settings.threads = 2;
+  return settings;
+}
+
+static void assert_within(uint64_t announced, uint64_t bytes, double share) {
+  if (fabs((double)announced / (double)bytes - 1.0) > share)
+    fail_msg("%llu bytes announced, %llu taken", (unsigned long long)announced, (unsigned long long)bytes);
+}
+
+static void assert_expected(const char *path, const olx_bake_settings *settings, const olx_scene *scene) {
+  olx_bake_sizes sizes;
+  olx_bake_stats stats;
+  if (olx_bake_measure(scene, settings, path, &sizes) != OLX_OK) fail_msg("%s", olx_last_error());
+  if (olx_bake(scene, settings, path, NULL, &stats) != OLX_OK) fail_msg("%s", olx_last_error());
+  assert_within(sizes.expected_bytes, stats.file_bytes, 0.05);
+}
+
 // Without probe light the file has neither irradiance probes nor radiance, and the bake takes less memory and fewer
 // rays.
 static void probe_light_has_its_size(void **state) {
@@ -145,24 +170,112 @@ static void blocks_have_their_size(void **state) {
   olx_scene_free(scene);
 }
 
-// Before the bake, `place` reports the size of the field, and `bake` reports the same size.
-static void place_and_bake_expect_the_same_file(void **state) {
+// `place` announces the size that `bake` announces for the same probes, and a field within a twentieth of it is written.
+static void place_and_bake_announce_the_size_of_the_file(void **state) {
   const scene_folder *folder = *state;
   char path[512];
   snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:pillars");
+  olx_place_settings placing = olx_place_settings_default(scene);
+  placing.count = 20;
+  placing.voxels = 32;
+  placing.surfels = 500;
+  placing.candidates = 64;
+  placing.resolution = 64;
+  olx_probe_set set;
+  if (olx_place(scene, &placing, NULL, &set) != OLX_OK) fail_msg("%s", olx_last_error());
+  olx_vec3 probes[20];
+  for (uint32_t i = 0; i < set.count; i++) probes[i] = set.probes[i].position;
+  olx_bake_settings settings = rough_settings(scene, 64);
+  settings.probes = probes;
+  settings.probe_count = set.count;
+  olx_bake_sizes sizes;
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_OK);
+  assert_within(set.report.field_bytes, sizes.expected_bytes, 0.001);
+  assert_expected(path, &settings, scene);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+// In rooms the announced size is within a twentieth of the file's, whatever share of the maps sees lamps and how much
+// detail there is.
+static void announced_sizes_are_those_of_files(void **state) {
+  static const struct {
+    const char *name;
+    bool uncompressed;
+  } rooms[] = {{"builtin:parlour", false}, {"builtin:labyrinth", false}, {"builtin:cornell", true}};
+  const scene_folder *folder = *state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  for (size_t i = 0; i < sizeof rooms / sizeof *rooms; i++) {
+    olx_scene *scene = load(rooms[i].name);
+    olx_bake_settings settings = rough_settings(scene, 64);
+    settings.uncompressed = rooms[i].uncompressed;
+    assert_expected(path, &settings, scene);
+    olx_scene_free(scene);
+  }
+}
+
+// An even sky is one tile for all the texels that see it: it takes no bytes in proportion to them.
+static void an_even_sky_takes_no_tiles(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:furnace");
+  const olx_bake_settings settings = rough_settings(scene, 64);
+  assert_expected(path, &settings, scene);
+  olx_scene_free(scene);
+}
+
+static uint64_t expected_with(const olx_scene *scene, olx_bake_settings settings, uint32_t radiance_size) {
+  olx_bake_sizes sizes;
+  settings.radiance_size = radiance_size;
+  assert_int_equal(olx_bake_measure(scene, &settings, "", &sizes), OLX_OK);
+  return sizes.expected_bytes;
+}
+
+// A budget of exactly the announced bytes of a size of maps gives this size, and one of a byte less gives the next
+// smaller one.
+static void a_budget_gives_the_largest_maps_that_fit(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  const olx_bake_settings settings = olx_bake_settings_default(scene);
+  uint32_t chosen = 0;
+  for (uint32_t size = OLX_RADIANCE_SIZE_MOST; size > OLX_RADIANCE_SIZE_LEAST; size /= 2) {
+    const uint64_t bytes = expected_with(scene, settings, size);
+    assert_int_equal(olx_bake_size_for_budget(scene, &settings, ((double)bytes + 0.5) * 1e-6, &chosen), OLX_OK);
+    assert_int_equal(chosen, size);
+    assert_int_equal(olx_bake_size_for_budget(scene, &settings, ((double)bytes - 0.5) * 1e-6, &chosen), OLX_OK);
+    assert_int_equal(chosen, size / 2);
+  }
+  assert_int_equal(olx_bake_size_for_budget(scene, &settings, 1e9, &chosen), OLX_OK);
+  assert_int_equal(chosen, OLX_RADIANCE_SIZE_MOST);
+  olx_scene_free(scene);
+}
+
+// The message that refuses a budget names megabytes that suffice, rounded up to a thousandth.
+static void a_budget_that_holds_no_maps_is_refused_with_one_that_does(void **state) {
+  (void)state;
   olx_scene *scene = load("builtin:cornell");
   olx_bake_settings settings = olx_bake_settings_default(scene);
-  olx_vec3 probes[40] = {0};
-  settings.probes = probes;
-  settings.probe_count = 40;
-  for (uint32_t size = 128; size <= 1024; size *= 2) {
-    olx_bake_sizes sizes;
-    settings.radiance_size = size;
-    assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_OK);
-    const double placed = (double)olx_light_field_bytes(40, size), baked = (double)sizes.expected_bytes;
-    assert_true(fabs(placed / baked - 1.0) < 0.001);
-    assert_true(sizes.expected_bytes > sizes.file_bytes);
+  uint32_t chosen = 0;
+  settings.probe_light = true;
+  const double least = (double)expected_with(scene, settings, OLX_RADIANCE_SIZE_LEAST) * 1e-6;
+  assert_int_equal(olx_bake_size_for_budget(scene, &settings, 0.001, &chosen), OLX_ERROR_ARGUMENT);
+  const char *named = strstr(olx_last_error(), "it takes ");
+  assert_non_null(named);
+  const double megabytes = atof(named + strlen("it takes "));
+  assert_true(megabytes >= least && megabytes < least + 0.0011);
+  assert_int_equal(olx_bake_size_for_budget(scene, &settings, megabytes, &chosen), OLX_OK);
+  assert_int_equal(chosen, OLX_RADIANCE_SIZE_LEAST);
+  const double senseless[] = {0.0, -1.0, (double)NAN, (double)INFINITY};
+  for (size_t i = 0; i < sizeof senseless / sizeof *senseless; i++) {
+    assert_int_equal(olx_bake_size_for_budget(scene, &settings, senseless[i], &chosen), OLX_ERROR_ARGUMENT);
+    assert_non_null(strstr(olx_last_error(), "must be a number of megabytes"));
   }
+  settings.samples = 99;
+  assert_int_equal(olx_bake_size_for_budget(scene, &settings, 1.0, &chosen), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "samples"));
   olx_scene_free(scene);
 }
 
@@ -237,7 +350,11 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       IN_FOLDER(bakes_take_what_they_say),
       IN_FOLDER(probe_light_has_its_size),
-      IN_FOLDER(place_and_bake_expect_the_same_file),
+      IN_FOLDER(place_and_bake_announce_the_size_of_the_file),
+      IN_FOLDER(announced_sizes_are_those_of_files),
+      IN_FOLDER(an_even_sky_takes_no_tiles),
+      cmocka_unit_test(a_budget_gives_the_largest_maps_that_fit),
+      cmocka_unit_test(a_budget_that_holds_no_maps_is_refused_with_one_that_does),
       IN_FOLDER(blocks_have_their_size),
       IN_FOLDER(what_does_not_fit_is_refused_at_once),
       cmocka_unit_test(an_estimate_is_a_time),

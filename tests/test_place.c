@@ -308,18 +308,44 @@ static void a_second_view_needs_more_probes(void **state) {
   olx_scene_free(scene);
 }
 
+// As many probes are placed as have a field that is expected to fit: one byte less holds one probe less.
 static void a_budget_says_how_many(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
   olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.resolution = 64;
-  settings.budget_mb = 1e-6 * (double)(olx_light_field_bytes(4, 64) - 1);
+  settings.count = 12;
+  settings.coverage = 1.0f;
+  olx_probe_set free = place(scene, &settings);
+  settings.count = 0;
+  settings.coverage = 0.0f;
+  settings.budget_mb = 1e-6 * (double)free.report.field_bytes;
   olx_probe_set set = place(scene, &settings);
-  assert_int_equal(set.count, 3);
+  // What other probes see differs by no more than a probe's share.
+  assert_in_range(set.count, free.count - 1, free.count + 1);
+  assert_true((double)set.report.field_bytes <= settings.budget_mb * 1e6);
+  assert_true((double)set.report.field_bytes * (1.0 + 1.5 / set.count) > settings.budget_mb * 1e6);
   olx_probe_set_free(&set);
-  settings.budget_mb = 1e-6 * (double)(olx_light_field_bytes(1, 64) - 1);
+  olx_probe_set_free(&free);
+  olx_scene_free(scene);
+}
+
+// The message that refuses a budget names megabytes that hold a probe, rounded up to a thousandth.
+static void a_budget_for_no_probe_is_refused(void **state) {
+  (void)state;
+  olx_scene *scene = load("builtin:cornell");
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
+  settings.resolution = 64;
+  settings.budget_mb = 0.01;
+  olx_probe_set set;
   assert_int_equal(olx_place(scene, &settings, NULL, &set), OLX_ERROR_ARGUMENT);
-  assert_non_null(strstr(olx_last_error(), "does not hold a field of one probe"));
+  const char *named = strstr(olx_last_error(), "does not hold a field of one probe of 64 x 64 texels, which takes ");
+  assert_non_null(named);
+  settings.budget_mb = atof(strstr(named, "takes ") + strlen("takes "));
+  assert_true(settings.budget_mb > 0.02 && settings.budget_mb < 0.05);
+  set = place(scene, &settings);
+  assert_int_equal(set.count, 1);
+  olx_probe_set_free(&set);
   olx_scene_free(scene);
 }
 
@@ -588,6 +614,7 @@ int main(void) {
       cmocka_unit_test(no_probe_leaves_through_a_window),
       cmocka_unit_test(a_second_view_needs_more_probes),
       cmocka_unit_test(a_budget_says_how_many),
+      cmocka_unit_test(a_budget_for_no_probe_is_refused),
       cmocka_unit_test(the_pillars_bury_three_grid_probes),
       cmocka_unit_test(no_probe_is_inside_geometry),
       cmocka_unit_test(overrides_hold_for_every_method),

@@ -130,13 +130,16 @@ typedef struct olx_bake_stats {
   double unseen; // OLX_GATHER_TRACED: share of rays that met a surface which no probe nearby sees; they bring no light
 } olx_bake_stats;
 
-// The sizes of a bake, computed by the code that allocates and lays out, without casting a ray.
+// The sizes of a bake, computed by the code that allocates and lays out; only for expected_bytes rays are cast, at most
+// 131,072.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // irradiance_probes is 0 without probe light
   uint64_t file_bytes; // what the description determines. Not included are structures of selectors other than the cage,
                        // the irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes
                        // of fine surfaces, up to a third of a byte a texel in the measured scenes and 8 at most
-  uint64_t expected_bytes; // file_bytes plus what furnished rooms add, as in olx_light_field_bytes
+  uint64_t expected_bytes; // file_bytes plus an estimate of what it does not include, from what a sample of texels sees
+                           // (docs/baking.md, "What a bake takes"): mostly within 5 % of the file, but without other
+                           // selectors than the cage and bricks, and without the data for relighting
   uint64_t device_bytes; // of the file on a Vulkan device, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
                          // links (olx_bake_stats.light_bytes)
@@ -151,6 +154,13 @@ typedef struct olx_bake_sizes {
 // then too.
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                             olx_bake_sizes *sizes);
+
+// Sets *radiance_size to the largest size of maps, from 2048 texels along a side down to 8, with which the field is
+// expected to take at most `budget_mb` megabytes (10^6 bytes; olx_bake_sizes.expected_bytes) and all other settings as
+// they are; settings->radiance_size is not read. Probes are kept: olx_place finds as many as fit a budget.
+// OLX_ERROR_ARGUMENT as for olx_bake, and where the smallest maps take more: the message says how many megabytes.
+olx_result olx_bake_size_for_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb,
+                                    uint32_t *radiance_size);
 
 // Estimates how long the bake would take on this machine under its present load, without writing the file and without
 // building selectors. Bakes at most eight probes of each kind to a temporary file, and extrapolates. docs/baking.md

@@ -89,8 +89,8 @@ typedef struct olx_place_settings {
   // clusters 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
-  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_light_field_bytes); 0 (the
-                    // default): not limited
+  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_place_report.field_bytes); 0
+                    // (the default): not limited. Not with OLX_PLACE_GRID
   uint32_t views;   // probes that must see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
@@ -154,6 +154,8 @@ typedef struct olx_place_report {
   uint32_t rounds;        // of the optimizer
   uint64_t space_voxels;  // of the space that matters
   uint32_t tiles;         // the number of tiles in which space was covered
+  uint64_t field_bytes;   // that a field of these probes is expected to take, baked with default settings and maps of
+                          // `resolution` texels along a side (olx_bake_sizes.expected_bytes)
   float voxel_metres;
   double seconds;
 } olx_place_report;
@@ -200,10 +202,6 @@ olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // name the file and the element; a position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must
 // free the set.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
-
-// Returns the bytes that a field of `count` light field probes of resolution^2 texels is expected to take, baked with
-// default settings (olx_bake_sizes.expected_bytes).
-uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -191,8 +191,8 @@ class PlaceReport(Struct):
                 ("unreachable", c_double), ("reached_m2", c_double), ("unreached_m2", c_double), ("buried", c_uint32),
                 ("rejected", c_uint32), ("candidates", c_uint32),
                 ("coverage_before", c_double), ("reward_before", c_double), ("reward_after", c_double),
-                ("rounds", c_uint32), ("space_voxels", c_uint64), ("tiles", c_uint32), ("voxel_metres", c_float),
-                ("seconds", c_double)]
+                ("rounds", c_uint32), ("space_voxels", c_uint64), ("tiles", c_uint32), ("field_bytes", c_uint64),
+                ("voxel_metres", c_float), ("seconds", c_double)]
 
 
 class PlaceMark(Struct):
@@ -325,6 +325,7 @@ BAKER = {
     "olx_probe_set_save": (c_int, [POINTER(ProbeSet), c_char_p]),
     "olx_bake_settings_default": (BakeSettings, [_scene]),
     "olx_bake_irradiance_grid": (Grid, [POINTER(Grid)]),
+    "olx_bake_size_for_budget": (c_int, [_scene, POINTER(BakeSettings), c_double, POINTER(c_uint32)]),
     "olx_bake": (c_int, [_scene, POINTER(BakeSettings), c_char_p, _progress, POINTER(BakeStats)]),
     "olx_bake_join": (c_int, [c_char_p, c_char_p, c_bool, _progress, POINTER(BakeStats)]),
     "olx_render_settings_default": (RenderSettings, [c_uint32]),

@@ -116,13 +116,22 @@ def join(folder: str | os.PathLike[str], path: str | os.PathLike[str], *, keep: 
     return native.record(stats)
 
 
+def _size_for_budget(scene: Scene, chosen: native.BakeSettings, budget_mb: float, settings: dict[str, Any]) -> int:
+    if "radiance_size" in settings:
+        raise ValueError("budget_mb and radiance_size exclude each other")
+    size = ctypes.c_uint32()
+    native.check(library.olx_bake_size_for_budget(scene.handle, chosen, budget_mb, size))
+    return size.value
+
+
 def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes: Any = None, irradiance_grid: Any = None,
-         select: Any = (), progress: Progress | None = None, **settings: Any) -> SimpleNamespace:
+         select: Any = (), budget_mb: float | None = None, progress: Progress | None = None, **settings: Any) -> SimpleNamespace:
     """Bake a scene's light into the field file `path`, which is whole or not there.
 
     grid: three counts of light field probes in the scene's volume; default: the scene's own. probes: a `Probes`, or positions (count, 3) in
     metres, instead of a grid. irradiance_grid: three counts of irradiance probes (with probe_light=True). select: words for structures to
-    bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. Further settings are the members of olx_bake_settings
+    bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
+    is the largest whose field is expected to fit, and cannot be given. Further settings are the members of olx_bake_settings
     (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=32,
     noise=0.02, volume_cells=32, classic=False, relight=False, seed=0, threads=0, ... Bytes depend on scene and settings alone. Returns
     the members of olx_bake_stats. Raises Error.
@@ -146,5 +155,7 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
             raise ValueError(f"probes: an array of shape {positions.shape} where (count, 3) is wanted")
         chosen.probes, chosen.probe_count = arrays.pointer(positions), len(positions)
     watch, stats = native.Watch(progress), native.BakeStats()
+    if budget_mb is not None:
+        chosen.radiance_size = _size_for_budget(scene, chosen, budget_mb, settings)
     watch.check(library.olx_bake(scene.handle, chosen, os.fsencode(path), watch.progress, stats))
     return native.record(stats)

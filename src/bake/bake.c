@@ -10,6 +10,7 @@
 #include "bake/gather_bounces.h"
 #include "core/hooks.h"
 #include "core/result.h"
+#include "field/brick_data.h"
 #include "scene/emitters.h"
 #include "scene/sources.h"
 
@@ -119,14 +120,13 @@ static olx_result find_buried(olx_bake_run *b) {
 
 static olx_result build_selectors(olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
-  const uint64_t side = s->radiance_size + 2;
   const olx_selector_input input = {.scene = b->context.scene,
                                     .positions = b->context.probes.light_field.positions,
                                     .flags = b->context.probes.light_field.flags,
                                     .count = b->context.probes.light_field.count,
                                     .radiance_size = s->radiance_size,
-                                    .map_bytes =
-                                        b->context.probes.light_field.count * side * side * OLX_LIGHT_FIELD_TEXEL_BYTES,
+                                    .map_bytes = olx_light_field_map_bytes(b->context.probes.light_field.count,
+                                                                           s->radiance_size),
                                     .distance_scale = b->context.distance_scale,
                                     .threads = s->threads,
                                     .task = &b->context.task};
@@ -330,9 +330,8 @@ static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progre
 
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
-  olx_bake_sizes sizes;
   const bool writes = settings->work.parts == 0;
-  OLX_TRY(olx_bake_measure(scene, settings, writes ? path : "", &sizes));
+  OLX_TRY(olx_bake_check_machine(scene, settings, writes ? path : ""));
   if (writes) OLX_TRY(olx_output_check(path, false));
   if (writes) OLX_TRY(olx_scene_check_output(scene, path));
   if (olx_emitters_group_count(scene) == 0) {

@@ -69,4 +69,7 @@ uint64_t olx_bake_units(const olx_bake_run *run);
 olx_result olx_bake_create_file(olx_bake_run *run, const char *path);
 void olx_bake_describe(olx_bake_run *run);
 
+// Checks the settings, and that the machine's memory and the disk suffice, in the words of olx_bake_measure.
+olx_result olx_bake_check_machine(const olx_scene *scene, const olx_bake_settings *settings, const char *path);
+
 #endif

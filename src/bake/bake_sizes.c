@@ -5,7 +5,11 @@
 #include "bake/bake_settings.h"
 #include "core/parallel.h"
 #include "core/result.h"
+#include "place/field_bytes.h"
 
+#include <octalux/limits.h>
+
+#include <math.h>
 #include <stdio.h>
 
 static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
@@ -39,12 +43,20 @@ static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
          2 * links_of(b->context.settings);
 }
 
-// Returns the expected size of the file. Maps of texels take exactly what the header says; blocks also have planes,
-// whose number is estimated.
-static uint64_t expected_of(const olx_bake_run *b, const olx_field_layout *layout) {
-  const uint64_t extra =
-      olx_expected_extra_bytes(b->context.probes.light_field.count, b->context.settings->radiance_size);
-  return layout->file_bytes + (b->context.settings->uncompressed ? 0 : extra);
+// The expected size of the file of a bake that is described and has not begun.
+static olx_result expected_of(const olx_bake_run *b, const olx_field_header *header, uint64_t *bytes) {
+  const olx_bake_settings *s = b->context.settings;
+  const olx_planned_maps maps = {.scene = b->context.scene,
+                                 .positions = s->probes,
+                                 .grid = &s->grid,
+                                 .count = b->context.probes.light_field.count,
+                                 .size = s->radiance_size};
+  const uint32_t most_cells = olx_volume_is_baked(s) ? s->volume_cells : 0;
+  olx_texel_bytes texels;
+  OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
+  *bytes =
+      olx_expected_bytes(header, olx_expected_volume_bytes(b->context.scene, s->radiance_size, most_cells), &texels);
+  return OLX_OK;
 }
 
 // "12 light field and 27 irradiance probes"
@@ -80,31 +92,92 @@ static olx_result check_available(const olx_bake_sizes *sizes, const char *path)
                   (double)sizes->available_memory_bytes / gibibyte);
 }
 
-olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
-                            olx_bake_sizes *sizes) {
-  *sizes = (olx_bake_sizes){0};
+// Checks the settings and describes a bake that does not begin.
+static olx_result describe(const olx_scene *scene, const olx_bake_settings *settings, const char *path, olx_bake_run *b,
+                           olx_field_header *header) {
   OLX_TRY(olx_bake_check_settings(settings));
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "%s: the scene has no triangles", path);
-  olx_bake_run b = {.context = {.scene = scene, .settings = settings, .distance_scale = 1.0f}};
-  b.context.probes.light_field.count = settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
+  *b = (olx_bake_run){.context = {.scene = scene, .settings = settings, .distance_scale = 1.0f}};
+  b->context.probes.light_field.count =
+      settings->probes ? settings->probe_count : (uint32_t)grid_count(&settings->grid);
   if (olx_bake_keeps_probe_light(settings))
-    b.context.probes.irradiance.count = (uint32_t)grid_count(&settings->irradiance_grid);
-  olx_bake_describe(&b);
-  b.gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
-  b.gather.traces = b.gather.traces && settings->bounces > 0;
-  const olx_field_header header = olx_bake_header(&b);
+    b->context.probes.irradiance.count = (uint32_t)grid_count(&settings->irradiance_grid);
+  olx_bake_describe(b);
+  b->gather.quadrature = olx_quadrature_shape(settings->irradiance_size);
+  b->gather.traces = b->gather.traces && settings->bounces > 0;
+  *header = olx_bake_header(b);
+  return OLX_OK;
+}
+
+static olx_bake_sizes sizes_of(const olx_bake_run *b, const olx_field_header *header, const char *path) {
+  olx_field_layout layout;
+  olx_field_lay_out(header, &layout);
+  return (olx_bake_sizes){.probes = b->context.probes.light_field.count,
+                          .irradiance_probes = b->context.probes.irradiance.count,
+                          .file_bytes = layout.file_bytes,
+                          .device_bytes = layout.device_bytes,
+                          .memory_bytes = memory_of(b, &layout),
+                          .link_bytes = links_of(b->context.settings),
+                          .work_bytes = work_of(b, &layout),
+                          .rays = olx_bake_units(b),
+                          .available_memory_bytes = olx_available_memory(),
+                          .available_disk_bytes = olx_available_disk(path)};
+}
+
+olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                            olx_bake_sizes *sizes) {
+  olx_bake_run b;
+  olx_field_header header;
+  *sizes = (olx_bake_sizes){0};
+  OLX_TRY(describe(scene, settings, path, &b, &header));
+  uint64_t expected;
+  OLX_TRY(expected_of(&b, &header, &expected));
+  *sizes = sizes_of(&b, &header, path);
+  sizes->expected_bytes = expected;
+  return check_available(sizes, path);
+}
+
+olx_result olx_bake_check_machine(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
+  olx_bake_run b;
+  olx_field_header header;
+  OLX_TRY(describe(scene, settings, path, &b, &header));
+  const olx_bake_sizes sizes = sizes_of(&b, &header, path);
+  return check_available(&sizes, path);
+}
+
+// The expected size with maps of another size, or the least size where that is beyond the budget already.
+static olx_result size_with_maps(const olx_scene *scene, const olx_bake_settings *settings, uint32_t radiance_size,
+                                 double budget, uint64_t *bytes) {
+  olx_bake_settings resized = *settings;
+  resized.radiance_size = radiance_size;
+  olx_bake_run b;
+  olx_field_header header;
+  OLX_TRY(describe(scene, &resized, "bake", &b, &header));
   olx_field_layout layout;
   olx_field_lay_out(&header, &layout);
-  *sizes = (olx_bake_sizes){.probes = b.context.probes.light_field.count,
-                            .irradiance_probes = b.context.probes.irradiance.count,
-                            .file_bytes = layout.file_bytes,
-                            .expected_bytes = expected_of(&b, &layout),
-                            .device_bytes = layout.device_bytes,
-                            .memory_bytes = memory_of(&b, &layout),
-                            .link_bytes = links_of(settings),
-                            .work_bytes = work_of(&b, &layout),
-                            .rays = olx_bake_units(&b),
-                            .available_memory_bytes = olx_available_memory(),
-                            .available_disk_bytes = olx_available_disk(path)};
-  return check_available(sizes, path);
+  *bytes = layout.file_bytes;
+  const bool smallest = radiance_size == OLX_RADIANCE_SIZE_LEAST;
+  return (double)*bytes > budget && !smallest ? OLX_OK : expected_of(&b, &header, bytes);
+}
+
+static olx_result refuse_budget(const olx_bake_settings *settings, double budget_mb, uint64_t bytes) {
+  const unsigned long long probes = settings->probes ? settings->probe_count : grid_count(&settings->grid);
+  return olx_fail(OLX_ERROR_ARGUMENT,
+                  "bake: a budget of %g MB does not hold a field of %llu probes: with the smallest maps, of %d x %d "
+                  "texels, it takes %.3f MB; fewer probes take less",
+                  budget_mb, probes, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_LEAST,
+                  ceil((double)bytes * 1e-3) * 1e-3);
+}
+
+olx_result olx_bake_size_for_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb,
+                                    uint32_t *radiance_size) {
+  if (!(budget_mb > 0.0 && budget_mb < 1e12))
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: the budget must be a number of megabytes above 0");
+  uint64_t bytes = 0;
+  for (uint32_t size = OLX_RADIANCE_SIZE_MOST; size >= OLX_RADIANCE_SIZE_LEAST; size /= 2) {
+    OLX_TRY(size_with_maps(scene, settings, size, budget_mb * 1e6, &bytes));
+    *radiance_size = size;
+    if ((double)bytes <= budget_mb * 1e6) return OLX_OK;
+  }
+  return refuse_budget(settings, budget_mb, bytes);
 }

@@ -54,11 +54,6 @@ typedef struct site {
   uint16_t (*lists)[OLX_BRICK_PROBES];
 } site;
 
-uint64_t olx_bricks_budget(uint64_t map_bytes) {
-  const uint64_t share = map_bytes / 25, least = 4096, most = 4000000;
-  return share < least ? least : share > most ? most : share;
-}
-
 static olx_result out_of_memory(void) { return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for bricks"); }
 
 // Turns every texel of the views into a surface point, thinned to MOST_POINTS.

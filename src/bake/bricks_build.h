@@ -5,10 +5,7 @@
 #include "bake/selector_input.h"
 #include "field/brick_data.h"
 
-// Returns the most bytes that bricks may take beside `map_bytes` of maps: 4 % of them, with a small lower bound and an
-// upper bound of 4 MB.
-uint64_t olx_bricks_budget(uint64_t map_bytes);
-
+// Builds bricks that take at most olx_bricks_budget of input->map_bytes.
 olx_result olx_bricks_build(const olx_selector_input *input, void **data, size_t *size_bytes);
 
 #endif

@@ -6,8 +6,6 @@
 #include "field/field_data.h"
 #include "scene/scene_data.h"
 
-enum { OLX_LIGHT_FIELD_TEXEL_BYTES = 8 }; // radiance, normal, distance
-
 // Buried probes are never queried, so no structure needs to name them.
 typedef struct olx_selector_input {
   const olx_scene *scene;
@@ -15,7 +13,7 @@ typedef struct olx_selector_input {
   const uint8_t *flags;      // OLX_PROBE_*
   uint32_t count;
   uint32_t radiance_size; // texels along a side of a light field map
-  uint64_t map_bytes;     // bytes of all light field maps, to which a structure's size is compared
+  uint64_t map_bytes;     // olx_light_field_map_bytes of all of them
   float distance_scale;   // metres
   uint32_t threads;       // the result must not depend on the number of threads
   olx_task *task;         // for cancellation; builders count no progress on it

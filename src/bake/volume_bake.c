@@ -10,7 +10,6 @@ enum {
   RAYS = 256, // of a probe
   PROBES_A_UNIT = 1024,
   MOST_CELLS = 1 << 15, // beyond that they become larger
-  TEXELS_A_CELL = 16,   // of a light field map's side for one of the smallest cells along the space
   VOXELS_A_CELL = 8,    // along a smallest cell, or fewer where space would have more than so many
   LEAST_VOXELS = 32,    // along the longest side of space
   MOST_VOXELS = 160
@@ -18,16 +17,10 @@ enum {
 
 bool olx_volume_is_baked(const olx_bake_settings *s) { return s->light == OLX_LIGHT_CACHE && s->volume_cells > 0; }
 
-// Small maps of light field probes get a coarse volume.
-static uint32_t cells_along(const olx_bake_settings *s) {
-  const uint32_t most = s->radiance_size > TEXELS_A_CELL ? s->radiance_size / TEXELS_A_CELL : 1;
-  return s->volume_cells < most ? s->volume_cells : most;
-}
-
 static olx_result make_cells(olx_volume_bake *b) {
   const olx_bake_settings *settings = b->context->settings;
   const olx_probe_list *probes = &b->context->probes.light_field;
-  const uint32_t along = cells_along(settings), wanted = VOXELS_A_CELL * along, threads = settings->threads;
+  const uint32_t along = olx_volume_cells_along(settings->radiance_size, settings->volume_cells), wanted = VOXELS_A_CELL * along, threads = settings->threads;
   const uint32_t voxels = wanted < LEAST_VOXELS ? LEAST_VOXELS : wanted > MOST_VOXELS ? MOST_VOXELS : wanted;
   olx_volume_space space;
   OLX_TRY(olx_volume_space_create(b->context->scene, probes->positions, probes->flags, probes->count, voxels, threads,

@@ -308,7 +308,7 @@ olx_result olx_volume_cells_create(const olx_volume_space *space, uint32_t along
   *cells = (olx_volume_cells){0};
   if (space->empty) return OLX_OK;
   const olx_vec3 extent = olx_sub(space->space.box.max, space->space.box.min);
-  builder b = {.space = space, .most_cells = most_cells, .part = exp2f(ceilf(log2f(olx_max3(extent) / (float)along)))};
+  builder b = {.space = space, .most_cells = most_cells, .part = olx_volume_least_metres(olx_max3(extent), along)};
   const olx_result result = build(&b, threads, cells);
   olx_cell_table_free(&b.corners);
   olx_cell_table_free(&b.chains);

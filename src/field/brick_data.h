@@ -32,6 +32,19 @@ typedef struct olx_bricks {
   const uint32_t *lists;           // of a list: OLX_BRICK_LIST_WORDS, two probes a word, low half first
 } olx_bricks;
 
+// Returns the bytes to which structures that find probes are compared: those of light field maps of size^2 texels.
+static inline uint64_t olx_light_field_map_bytes(uint64_t probes, uint64_t size) {
+  enum { TEXEL_BYTES = 8 }; // radiance, normal, distance
+  return probes * (size + 2) * (size + 2) * TEXEL_BYTES;
+}
+
+// Returns the most bytes that a bake gives to bricks beside `map_bytes` of maps: 4 % of them, with a small lower bound
+// and an upper bound of 4 MB.
+static inline uint64_t olx_bricks_budget(uint64_t map_bytes) {
+  const uint64_t share = map_bytes / 25, least = 4096, most = 4000000;
+  return share < least ? least : share > most ? most : share;
+}
+
 // Checks all of a structure and points into it. `name` begins the message.
 olx_result olx_bricks_open(const void *data, size_t size_bytes, uint32_t probe_count, const char *name,
                            olx_bricks *bricks);

@@ -5,13 +5,6 @@
 
 #include <octalux/limits.h>
 
-// Expected sizes of what no description determines, measured in furnished rooms.
-enum { EXTRA_BYTES_A_TEXEL_INVERSE = 5, VOLUME_BYTES = 700000 };
-
-uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size) {
-  return probes * radiance_size * radiance_size / EXTRA_BYTES_A_TEXEL_INVERSE + VOLUME_BYTES;
-}
-
 static olx_file_grid store_grid(const olx_grid *grid) {
   olx_file_grid stored = {.count = {grid->count[0], grid->count[1], grid->count[2]}};
   olx_store3(stored.origin, grid->origin);

@@ -112,11 +112,6 @@ static inline olx_chunk_kind olx_select_chunk(olx_select select) {
 // planes, and the size of the data for relighting, are not in the description: their shapes have 0 bytes too.
 void olx_chunk_shapes(const olx_field_info *info, olx_chunk_shape shapes[OLX_CHUNK_KINDS]);
 
-// Estimates the bytes that the description does not determine, for a field with maps of radiance_size^2 texels: planes
-// of fine surfaces, tiles of emission and bricks in proportion to the texels, and the irradiance volume
-// (docs/baking.md, "What a bake takes").
-uint64_t olx_expected_extra_bytes(uint64_t probes, uint32_t radiance_size);
-
 // Returns whether a Vulkan device holds chunks of that kind as they are in the file (src/vulkan/vulkan_field.c).
 bool olx_chunk_is_on_device(olx_chunk_kind kind);
 

@@ -56,6 +56,19 @@ typedef struct olx_volume {
 // Checks all of a structure and points into it; the caller sets positions and irradiance. `name` begins the message.
 olx_result olx_volume_open(const void *data, size_t size_bytes, const char *name, olx_volume *volume);
 
+// Returns how many smallest cells a bake makes along the longest side of space: at most `most`, and fewer beside small
+// maps of light field probes, which get a coarse volume.
+static inline uint32_t olx_volume_cells_along(uint32_t map_size, uint32_t most) {
+  enum { TEXELS_A_CELL = 16 }; // of a map's side
+  const uint32_t fitting = map_size > TEXELS_A_CELL ? map_size / TEXELS_A_CELL : 1;
+  return most < fitting ? most : fitting;
+}
+
+// Returns the side of the smallest cells, a power of two of metres, for a space `longest` metres long.
+static inline float olx_volume_least_metres(float longest, uint32_t along) {
+  return exp2f(ceilf(log2f(longest / (float)along)));
+}
+
 // The cell around a place, and the weight of each of its corners there.
 typedef struct olx_volume_place {
   const uint32_t *probes;

@@ -4,7 +4,8 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "field/field_file.h"
+#include "field/field_data.h"
+#include "place/budget.h"
 #include "place/cover.h"
 #include "place/grid.h"
 #include "place/headroom.h"
@@ -17,6 +18,8 @@
 
 #include <octalux/limits.h>
 #include <octalux/place.h>
+
+#include <string.h>
 
 #define VOXEL_METRES 0.25f // default size of voxels for space in tiles
 // Most voxels between a floor and what is above it: a door is a third as wide as rooms are high, and models in other
@@ -56,29 +59,6 @@ const char *olx_place_reward_name(olx_place_reward reward) {
 const char *olx_probe_origin_name(olx_probe_origin origin) {
   static const char *const names[] = {"pinned", "grid", "skeleton", "space", "target", "moved"};
   return (size_t)origin < sizeof names / sizeof *names ? names[origin] : "unknown";
-}
-
-uint64_t olx_light_field_bytes(uint32_t count, uint32_t resolution) {
-  const olx_field_info info = {.probes.count = count,
-                               .maps = {.size = resolution, .compressed = true, .geometry_blocks = true}};
-  olx_chunk_shape shapes[OLX_CHUNK_KINDS];
-  olx_chunk_shapes(&info, shapes);
-  uint64_t bytes = olx_expected_extra_bytes(count, resolution);
-  for (uint32_t k = OLX_CHUNK_PROBE_POSITIONS; k <= OLX_CHUNK_EMISSION; k++) {
-    if (olx_chunk_is_required(&info, k)) bytes += shapes[k].size_bytes;
-  }
-  return bytes;
-}
-
-// Returns the most probes of that resolution whose field is expected to fit the budget.
-static uint32_t affordable(double bytes, uint32_t resolution) {
-  uint32_t least = 0, most = OLX_PLACE_PROBES_MOST;
-  while (least < most) {
-    const uint32_t count = least + (most - least + 1) / 2;
-    if ((double)olx_light_field_bytes(count, resolution) <= bytes) least = count;
-    else most = count - 1;
-  }
-  return least;
 }
 
 olx_place_settings olx_place_settings_default(const olx_scene *scene) {
@@ -159,15 +139,11 @@ static olx_result check_settings(const olx_place_settings *s) {
 }
 
 // Converts the budget to a count, and replaces a coverage of 0 by its default.
-static olx_result resolve(const olx_scene *scene, olx_place_settings *s) {
-  const uint32_t pinned = scene->probe_rules.pinned_count;
+static olx_result resolve(const olx_world *world, olx_place_settings *s) {
+  const uint32_t pinned = world->scene->probe_rules.pinned_count;
   if (s->budget_mb > 0.0) {
-    const uint32_t count = affordable(s->budget_mb * 1e6, s->resolution);
-    if (count == 0) {
-      return olx_fail(
-          OLX_ERROR_ARGUMENT, "place: a budget of %g MB does not hold a field of one probe of %u x %u texels (%.3f MB)",
-          s->budget_mb, s->resolution, s->resolution, (double)olx_light_field_bytes(1, s->resolution) * 1e-6);
-    }
+    uint32_t count;
+    OLX_TRY(olx_budget_count(world, s, &count));
     if (s->count == 0 || count < s->count) s->count = count;
   }
   if (s->coverage <= 0.0f) s->coverage = s->count ? 1.0f : 0.999f;
@@ -270,6 +246,7 @@ static olx_result place_in(const olx_space *space, const olx_sight *sight, olx_t
   OLX_TRY_GOTO(choose_probes(space, sight, task, settings, &probes, set), done);
   if (moves) OLX_TRY_GOTO(measure_before(space, sight, probes, set), done);
   if (moves) OLX_TRY_GOTO(optimize(space, sight, task, settings, probes, set), done);
+  OLX_TRY_GOTO(olx_budget_keep(space->scene, probes, set), done);
   OLX_TRY_GOTO(list_probes(probes, set), done);
   olx_task_stage(task, "measuring coverage");
   OLX_TRY_GOTO(olx_measure_probes(space->world, sight, set), done);
@@ -303,6 +280,7 @@ static olx_result place_in_tiles(olx_world *world, const olx_sight *sight, olx_t
     result = cover_tiles(world, sight, task, &probes, set);
   }
   if (result == OLX_OK && set->count == 0) result = fail_without_places(world->scene);
+  if (result == OLX_OK) result = olx_budget_keep(world->scene, probes, set);
   if (result == OLX_OK) result = list_probes(probes, set);
   olx_release(probes);
   OLX_TRY(result);
@@ -344,7 +322,8 @@ static olx_result find_space(const olx_scene *scene, const olx_place_settings *s
 static olx_result find_space_and_place(const olx_scene *scene, olx_task *task, olx_probe_set *set) {
   olx_world world;
   OLX_TRY(find_space(scene, &set->settings, &world));
-  const olx_result result = place_in_world(&world, task, set);
+  olx_result result = resolve(&world, &set->settings);
+  if (result == OLX_OK) result = place_in_world(&world, task, set);
   olx_world_free(&world);
   return result;
 }
@@ -355,7 +334,6 @@ olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings,
   *set = (olx_probe_set){.settings = *settings, .scene_hash = scene->hash};
   memcpy(set->origin, scene->origin, sizeof set->origin);
   OLX_TRY(check_settings(settings));
-  OLX_TRY(resolve(scene, &set->settings));
   // Units of progress: one per candidate of a cover.
   const uint64_t covering = settings->method == OLX_PLACE_COVER ? settings->candidates : 0;
   const uint64_t moving = settings->optimize == OLX_OPTIMIZE_NONE ? 0 : (uint64_t)settings->rounds * OLX_ROUND_UNITS;

@@ -360,30 +360,55 @@ bool olx_world_next_free(const olx_world *w, uint32_t *index, uint32_t voxel[3])
   return false;
 }
 
+// Finds the nth voxel of a brick whose bit is set; there are more than `nth`.
+static bool nth_of(const olx_world *w, uint32_t index, olx_world_bits bits, uint64_t nth, uint32_t voxel[3]) {
+  for (int z = 0; z < SIDE; z++) {
+    for (; nth > 0 && bits.z[z]; nth--) bits.z[z] &= bits.z[z] - 1;
+    if (bits.z[z]) break;
+  }
+  brick_corner(w, index, voxel);
+  return first_of(&bits, voxel);
+}
+
 bool olx_world_nth_reached(const olx_world *w, uint64_t nth, uint32_t voxel[3]) {
   for (uint32_t i = 0; i < w->touched_count; i++) {
     const olx_world_brick *brick = stored_brick(w, w->touched[i]);
-    olx_world_bits bits = brick ? brick->reached : ALL_BITS;
+    const olx_world_bits bits = brick ? brick->reached : ALL_BITS;
     const uint32_t count = count_bits(&bits);
-    if (nth >= count) {
-      nth -= count;
-      continue;
-    }
-    for (int z = 0; z < SIDE; z++) {
-      for (; nth > 0 && bits.z[z]; nth--) bits.z[z] &= bits.z[z] - 1;
-      if (bits.z[z]) break;
-    }
-    brick_corner(w, w->touched[i], voxel);
-    return first_of(&bits, voxel);
+    if (nth < count) return nth_of(w, w->touched[i], bits, nth, voxel);
+    nth -= count;
   }
   return false;
+}
+
+static olx_world_bits reached_bits(const olx_world *w, uint32_t index) {
+  const olx_world_brick *brick = stored_brick(w, index);
+  if (brick) return brick->reached;
+  return w->flags[index] & OPEN_REACHED ? ALL_BITS : (olx_world_bits){{0}};
+}
+
+uint32_t olx_world_spread(const olx_world *w, uint32_t wanted, olx_vec3 *centres) {
+  uint64_t passed = 0;
+  uint32_t found = 0;
+  for (uint32_t i = 0; i < w->brick_total && found < wanted; i++) {
+    const olx_world_bits bits = reached_bits(w, i);
+    const uint32_t count = count_bits(&bits);
+    uint64_t nth = (2 * (uint64_t)found + 1) * w->reached_count / (2 * (uint64_t)wanted);
+    while (found < wanted && nth < passed + count) {
+      uint32_t voxel[3];
+      if (nth_of(w, i, bits, nth - passed, voxel)) centres[found++] = olx_world_centre(w, voxel);
+      nth = (2 * (uint64_t)found + 1) * w->reached_count / (2 * (uint64_t)wanted);
+    }
+    passed += count;
+  }
+  return found;
 }
 
 uint64_t olx_world_count_reached(const olx_world *w) {
   uint64_t count = 0;
   for (uint32_t i = 0; i < w->brick_total; i++) {
-    const olx_world_brick *brick = stored_brick(w, i);
-    count += brick ? count_bits(&brick->reached) : w->flags[i] & OPEN_REACHED ? BRICK_VOXELS : 0u;
+    const olx_world_bits bits = reached_bits(w, i);
+    count += count_bits(&bits);
   }
   return count;
 }

@@ -93,6 +93,9 @@ void olx_world_put_aside(olx_world *world);
 bool olx_world_next_free(const olx_world *world, uint32_t *brick, uint32_t voxel[3]);
 // Finds the `nth` voxel that the last flood reached, in the order of its bricks.
 bool olx_world_nth_reached(const olx_world *world, uint64_t nth, uint32_t voxel[3]);
+// Finds up to `wanted` centres of reached voxels, evenly spread over all of them once reached_count is known. Returns
+// their number.
+uint32_t olx_world_spread(const olx_world *world, uint32_t wanted, olx_vec3 *centres);
 // Counts voxels that are reached, and those that are free.
 uint64_t olx_world_count_reached(const olx_world *world);
 bool olx_world_has_free(const olx_world *world);

@@ -1,0 +1,65 @@
+// Fits a bake into a budget of megabytes: places probes, and chooses the size of maps.
+#include "bake_budget.h"
+
+#include "commands.h"
+#include "report.h"
+
+#include <octalux/place.h>
+
+#include <stdio.h>
+
+// Places probes as `octalux place` does; as many as fit where the size of maps is given.
+static olx_result place_probes(const olx_scene *scene, double budget_mb, bake_options *given) {
+  olx_place_settings settings = olx_place_settings_default(scene);
+  settings.threads = given->settings.threads;
+  settings.resolution = given->settings.radiance_size;
+  settings.budget_mb = budget_mb;
+  progress_line line;
+  progress_begin(&line, "bake", false);
+  const olx_progress progress = progress_of(&line);
+  olx_probe_set set;
+  olx_result result = olx_place(scene, &settings, &progress, &set);
+  progress_end(&line);
+  if (result != OLX_OK) return result;
+  result = take_probes(&set, &given->settings);
+  olx_probe_set_free(&set);
+  return result;
+}
+
+static int refuse(const olx_bake_settings *settings, double megabytes, double budget_mb) {
+  return failure("bake",
+                 "%.0f probes of %u x %u texels take about %.3f MB, more than the budget of %g MB: fewer probes, "
+                 "or smaller maps (--radiance-size)",
+                 light_probe_count(settings), settings->radiance_size, settings->radiance_size, megabytes, budget_mb);
+}
+
+// Prints what was chosen, or refuses what was given.
+static int check_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb) {
+  olx_bake_sizes sizes;
+  // Whether the machine suffices is checked by the bake, or reported by --dry-run.
+  if (olx_bake_measure(scene, settings, "", &sizes) != OLX_OK && !sizes.probes) return library_failure("bake");
+  const double megabytes = (double)sizes.expected_bytes * 1e-6;
+  if (megabytes > budget_mb) return refuse(settings, megabytes, budget_mb);
+  if (is_quiet()) return EXIT_DONE;
+  const char *uncounted = settings->relight ? ", and more for relighting," : "";
+  fprintf(stderr, "octalux bake: %.0f probes of %u x %u texels, about %.3f MB%s of a budget of %g MB\n",
+          light_probe_count(settings), settings->radiance_size, settings->radiance_size, megabytes, uncounted,
+          budget_mb);
+  return EXIT_DONE;
+}
+
+static int report_placement(olx_result result) {
+  return result == OLX_ERROR_CANCELLED ? failure("bake", "interrupted, nothing written") : library_failure("bake");
+}
+
+int fit_bake_budget(const olx_scene *scene, const command_line *line, double budget_mb, bake_options *given) {
+  olx_bake_settings *settings = &given->settings;
+  const bool sized = was_given(line, "--radiance-size");
+  if (!given->probes && !was_given(line, "--grid")) {
+    const olx_result placed = place_probes(scene, sized ? budget_mb : 0.0, given);
+    if (placed != OLX_OK) return report_placement(placed);
+  }
+  if (!sized && olx_bake_size_for_budget(scene, settings, budget_mb, &settings->radiance_size) != OLX_OK)
+    return library_failure("bake");
+  return check_budget(scene, settings, budget_mb);
+}

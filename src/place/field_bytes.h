@@ -1,0 +1,32 @@
+// How many bytes the file of a field is expected to take before it is baked (docs/baking.md, "What a bake takes").
+#ifndef OLX_PLACE_FIELD_BYTES_H
+#define OLX_PLACE_FIELD_BYTES_H
+
+#include "field/field_writer.h"
+#include "scene/scene_data.h"
+
+// The light field maps of a field that is not baked yet.
+typedef struct olx_planned_maps {
+  const olx_scene *scene;
+  const olx_vec3 *positions; // of the probes; NULL where they are those of `grid`
+  const olx_grid *grid;
+  uint32_t count, size; // number of probes, and texels along a side of a map
+} olx_planned_maps;
+
+// Bytes in proportion to texels that depend on what probes see: planes of fine surfaces, and tiles of emission.
+typedef struct olx_texel_bytes {
+  double planes, emission; // of a texel, on average
+} olx_texel_bytes;
+
+// Estimates them from at most 1,024 tiles of 8 x 8 texels, spread evenly over all maps, as the bake will store them.
+olx_result olx_texel_bytes_sample(const olx_planned_maps *maps, uint32_t threads, olx_texel_bytes *bytes);
+
+// Estimates the bytes of the irradiance volume that a bake of maps of map_size^2 texels makes, with olx_bake_settings.
+// volume_cells of `most_cells`; 0 where it makes none.
+double olx_expected_volume_bytes(const olx_scene *scene, uint32_t map_size, uint32_t most_cells);
+
+// Returns the expected size of the file that the header describes, which has neither bricks nor a volume yet. The data
+// for relighting is not included.
+uint64_t olx_expected_bytes(const olx_field_header *header, double volume_bytes, const olx_texel_bytes *texels);
+
+#endif

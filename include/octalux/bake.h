@@ -86,6 +86,10 @@ typedef struct olx_bake_settings {
   uint32_t seed;                   // of the random numbers; a second seed gives an idea of a bake's noise; default 0
   uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
   bool measure_embree; // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+  // The most memory of the whole process while it bakes, in bytes; 0, the default: no limit. Below what a bake takes
+  // without a limit, links between surfels are kept in files without names, beside the output or a part's work folder,
+  // and fewer threads work; the field's bytes are the same. A limit below olx_bake_memory.least_bytes is refused.
+  uint64_t memory_limit_bytes;
   olx_bake_work work;  // default: nothing is stored
 } olx_bake_settings;
 
@@ -150,6 +154,19 @@ typedef struct olx_bake_sizes {
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                             olx_bake_sizes *sizes);
 
+// The memory that the process of a bake takes at most, in bytes: with what it held before, such as the scene.
+typedef struct olx_bake_memory {
+  uint64_t most_bytes;  // without a limit
+  uint64_t least_bytes; // the least settings.memory_limit_bytes, with a margin of 1/16 and 3 MB in which refusals may
+                        // differ from run to run, because the memory of the process itself does
+} olx_bake_memory;
+
+// Finds how much memory a bake to `path` takes, by finding buried probes, selectors, cells of the volume and surfels,
+// which are then forgotten. That takes as long as those stages of the bake, and as much memory. memory_limit_bytes is
+// ignored. Errors as of olx_bake.
+olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                                   const olx_progress *progress, olx_bake_memory *memory);
+
 // Estimates how long the bake would take on this machine under its present load, without writing the file and without
 // building selectors. Bakes at most eight probes of each kind to a temporary file, and extrapolates. docs/baking.md
 // gives the error of the estimate.
@@ -158,7 +175,9 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 
 // Bakes a field and writes it to `path`, through a temporary file that is synced and renamed, so that a failure or a
 // kill at any moment leaves the old file or the new one. The bytes depend on the scene and the settings alone, not on
-// threads or runs. stats may be NULL.
+// threads or runs. stats may be NULL. A bake with a memory limit measures its memory first
+// (olx_bake_measure_memory), and returns OLX_ERROR_MEMORY, with the least limit that suffices, before it creates a file
+// or a folder.
 //
 // With a work folder, a bake continues where another one of the same scene, settings, build and machine stopped.
 // OLX_ERROR_ARGUMENT when the folder belongs to another bake, and OLX_ERROR_FILE when it is not a work folder or is in

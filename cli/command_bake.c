@@ -11,6 +11,8 @@
 #include <octalux/bake.h>
 
 #include <inttypes.h>
+#include <malloc.h>
+#include <math.h>
 #include <stdio.h>
 
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
@@ -87,7 +89,8 @@ static void add_bytes(cJSON *object, const char *key, uint64_t bytes) {
   else add_number(object, key, (double)bytes);
 }
 
-static int print_plan_json(const olx_bake_settings *settings, const olx_bake_sizes *sizes, double seconds, bool fits) {
+static int print_plan_json(const olx_bake_settings *settings, const olx_bake_sizes *sizes,
+                           const olx_bake_memory *memory, double seconds, bool fits) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", (double)sizes->probes);
   add_number(object, "radiance_size", settings->radiance_size);
@@ -97,6 +100,8 @@ static int print_plan_json(const olx_bake_settings *settings, const olx_bake_siz
   add_bytes(object, "link_bytes", sizes->link_bytes);
   add_bytes(object, "device_bytes", sizes->device_bytes);
   add_bytes(object, "memory_bytes", sizes->memory_bytes);
+  add_bytes(object, "most_memory_bytes", memory->most_bytes);
+  add_bytes(object, "least_memory_bytes", memory->least_bytes);
   add_bytes(object, "work_bytes", sizes->work_bytes);
   add_bytes(object, "available_disk_bytes", sizes->available_disk_bytes);
   add_bytes(object, "available_memory_bytes", sizes->available_memory_bytes);
@@ -112,7 +117,7 @@ static const char *available(uint64_t bytes, size_text *text) {
 }
 
 static void print_plan(const char *path, const olx_bake_settings *settings, const olx_bake_sizes *sizes,
-                       double seconds) {
+                       const olx_bake_memory *memory, double seconds) {
   size_text free_bytes;
   printf("%s: nothing is baked; a bake would be\n", path);
   printf("  probes   %" PRIu64 " of light, %" PRIu64 " of irradiance\n", sizes->probes, sizes->irradiance_probes);
@@ -124,6 +129,8 @@ static void print_plan(const char *path, const olx_bake_settings *settings, cons
   printf("  memory   %s beside the scene, and %s at most for the light of the scene; %s available\n",
          text_of_bytes(sizes->memory_bytes).text, text_of_bytes(sizes->link_bytes).text,
          available(sizes->available_memory_bytes, &free_bytes));
+  printf("           %.0f MB at most with the scene and the program; --memory %.0f is the least that is accepted\n",
+         (double)memory->most_bytes * 1e-6, (double)memory->least_bytes * 1e-6);
   printf("  work     %s at most in a work folder until it is done\n", text_of_bytes(sizes->work_bytes).text);
   printf("  rays     %.3g\n", (double)sizes->rays);
   printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
@@ -137,6 +144,7 @@ typedef struct bake_command {
   double budget_mb;  // 0: not given
   uint32_t progress; // 1: shown even when nobody watches; 2: a line of JSON for each unit
   bool dry_run, json;
+  double memory_mb; // the most memory, 10^6 bytes; 0: no limit
   work_line units;
 } bake_command;
 
@@ -152,13 +160,15 @@ static int plan_bake(const olx_scene *scene, const bake_command *c, const char *
   double seconds;
   progress_begin(&line, "bake", c->progress == 1);
   const olx_progress progress = progress_of(&line);
-  const olx_result result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
+  olx_bake_memory memory;
+  olx_result result = olx_bake_measure_memory(scene, settings, path, &progress, &memory);
+  if (result == OLX_OK) result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");
   if (result != OLX_OK) return library_failure("bake");
   int code = EXIT_DONE;
-  if (c->json) code = print_plan_json(settings, &sizes, seconds, fits == OLX_OK);
-  else print_plan(path, settings, &sizes, seconds);
+  if (c->json) code = print_plan_json(settings, &sizes, &memory, seconds, fits == OLX_OK);
+  else print_plan(path, settings, &sizes, &memory, seconds);
   return fits == OLX_OK ? code : failure("bake", "%s", why);
 }
 
@@ -250,6 +260,8 @@ static const option run_options[] = {
     {"--budget", OPTION_DOUBLE, offsetof(bake_command, budget_mb), "MB",
      "place probes, and take the largest maps whose field fits, in 10^6 bytes; keeps --probes, --grid, "
      "--radiance-size"},
+    {"--memory", OPTION_DOUBLE, offsetof(bake_command, memory_mb), "MB",
+     "the most memory, in 10^6 bytes, for the same field; default: no limit"},
     {"--dry-run", OPTION_FLAG, offsetof(bake_command, dry_run), NULL,
      "bake nothing: say how large, how much memory, about how long"},
     {"--progress", OPTION_FLAG_WORD, offsetof(bake_command, progress), "json",
@@ -264,6 +276,10 @@ static const option instructions_option[] = {
 
 static const option measure_option[] = {
     {"--measure-embree", OPTION_FLAG, 0, NULL, "also time Embree alone on the rays from probes"}, {0}};
+
+// Returns every released block of memory to the system at once: by default the C library keeps more of them the larger
+// they get.
+static void return_released_memory(void) { mallopt(M_MMAP_THRESHOLD, 1 << 17); }
 
 int command_bake(int argc, char **argv) {
   bake_command c = {.given = bake_options_begin()};
@@ -286,6 +302,8 @@ int command_bake(int argc, char **argv) {
   if (!parse_options(&line, argc, argv, &code)) return code;
   code = check_given(&line, &c);
   if (code != EXIT_DONE) return code;
+  c.given.settings.memory_limit_bytes = (uint64_t)fmin(c.memory_mb * 1e6, 1e18);
+  if (c.memory_mb > 0.0 || c.dry_run) return_released_memory();
   const command_files files = {.inputs = {line.given[0], c.given.probes}, .outputs = {{c.output, false}}};
   code = check_files("bake", &files, c.json);
   if (code != EXIT_DONE) return code;

@@ -54,20 +54,20 @@ typedef struct olx_bake_work {
 } olx_bake_work;
 
 typedef struct olx_bake_settings {
-  olx_grid grid;            // grid of light field probes; olx_bake_settings_default sets it to the scene's grid
-  const olx_vec3 *probes;   // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
-  uint32_t probe_count;     // of `probes`, 1 to 2^20
-  uint32_t select_mask;     // bit (1 << olx_select) for each structure to bake in (octalux/field.h); 0 for the best:
-                            // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes.
-                            // The cage needs the grid. Default 0
-  uint32_t radiance_size;   // texels along a side: a power of two, 8 to 2048; default 512
+  olx_grid grid;          // grid of light field probes; olx_bake_settings_default sets it to the scene's grid
+  const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
+  uint32_t probe_count;   // of `probes`, 1 to 2^20
+  uint32_t select_mask;   // bit (1 << olx_select) for each structure to bake in (octalux/field.h); 0 for the best:
+                          // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes.
+                          // The cage needs the grid. Default 0
+  uint32_t radiance_size; // texels along a side: a power of two, 8 to 2048; default 512
   // Also store light as probes see it (McGuire et al. 2017): the radiance that each light field probe saw (section 3),
   // and irradiance probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and
   // olx_irradiance read it; default pictures do not (docs/baking.md). Default false, and implied where
   // olx_bake_keeps_probe_light returns true. Only the next four settings and `fit` shape it.
   bool probe_light;
-  olx_grid irradiance_grid; // grid of irradiance probes; default olx_bake_irradiance_grid of `grid`
-  uint32_t irradiance_size; // a power of two, 8 to 256; default 128
+  olx_grid irradiance_grid;            // grid of irradiance probes; default olx_bake_irradiance_grid of `grid`
+  uint32_t irradiance_size;            // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // default OLX_IRRADIANCE_OCTAHEDRAL
   olx_bounce_gather bounce_gather;     // default OLX_GATHER_SOLVED
   bool uncompressed;        // store geometry, material and light as texels, as a reference for blocks; default false
@@ -84,12 +84,16 @@ typedef struct olx_bake_settings {
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256
   uint32_t classic_sharpness; // exponent of the filter from cube maps, 64 to 65536; 0, the default: as wide as a texel
-  bool relight;                    // also store the data for relighting (octalux/relight.h); needs OLX_LIGHT_CACHE; off
-  bool fit;                        // fit irradiance maps to the surfaces they light (docs/baking.md); default true
-  uint32_t seed;                   // of the random numbers; a second seed gives an idea of a bake's noise; default 0
-  uint32_t threads;                // 0: as many as the machine has; the result does not depend on it
-  bool measure_embree; // also time Embree alone on the primary rays, for stats.embree_seconds; default false
-  olx_bake_work work;  // default: nothing is stored
+  bool relight;               // also store the data for relighting (octalux/relight.h); needs OLX_LIGHT_CACHE; off
+  bool fit;                   // fit irradiance maps to the surfaces they light (docs/baking.md); default true
+  uint32_t seed;              // of the random numbers; a second seed gives an idea of a bake's noise; default 0
+  uint32_t threads;           // 0: as many as the machine has; the result does not depend on it
+  bool measure_embree;        // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+  // The most memory of the whole process while it bakes, in bytes; 0, the default: no limit. Below what a bake takes
+  // without a limit, links between surfels are kept in files without names, beside the output or a part's work folder,
+  // and fewer threads work; the field's bytes are the same. A limit below olx_bake_memory.least_bytes is refused.
+  uint64_t memory_limit_bytes;
+  olx_bake_work work; // default: nothing is stored
 } olx_bake_settings;
 
 // Returns the default settings of a bake. `scene` may be NULL: then both grids have no probes and must be set by
@@ -107,15 +111,15 @@ bool olx_bake_keeps_probe_light(const olx_bake_settings *settings);
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid);
 
 typedef struct olx_bake_stats {
-  uint64_t rays;         // primary, shadow and bounce rays together
-  uint64_t primary_rays; // of the light field probes
-  double seconds;        // everything except writing the file
-  double light_seconds;  // of `seconds`, for solving the light of the scene
-  double irradiance_seconds; // of `seconds`, for irradiance probes
-  double capture_seconds;    // of `seconds`, for what light field probes see
-  uint32_t surfels;      // number of surfels at which light was gathered
-  double noise;          // standard error of indirect light that the bake reached, as a share of it
-  uint64_t light_bytes;  // memory for surfels and their links
+  uint64_t rays;                        // primary, shadow and bounce rays together
+  uint64_t primary_rays;                // of the light field probes
+  double seconds;                       // everything except writing the file
+  double light_seconds;                 // of `seconds`, for solving the light of the scene
+  double irradiance_seconds;            // of `seconds`, for irradiance probes
+  double capture_seconds;               // of `seconds`, for what light field probes see
+  uint32_t surfels;                     // number of surfels at which light was gathered
+  double noise;                         // standard error of indirect light that the bake reached, as a share of it
+  uint64_t light_bytes;                 // memory for surfels and their links
   uint32_t volume_probes, volume_cells; // of the irradiance volume; each side of a divided cell counts as one
   uint64_t volume_bytes;                // in the file
   double volume_unserved; // share of surfaces in sight of light field probes, by solid angle, where it has no cell
@@ -140,7 +144,7 @@ typedef struct olx_bake_sizes {
   uint64_t expected_bytes; // file_bytes plus an estimate of what it does not include, from what a sample of texels sees
                            // (docs/baking.md, "What a bake takes"): mostly within 5 % of the file, but without other
                            // selectors than the cage and bricks, and without the data for relighting
-  uint64_t device_bytes; // of the file on a Vulkan device, before alignment; 0 for irradiance as spherical harmonics
+  uint64_t device_bytes;   // of the file on a Vulkan device, before alignment; 0 for irradiance as spherical harmonics
   uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
                          // links (olx_bake_stats.light_bytes)
   uint64_t link_bytes;   // the most for links between surfels; most scenes need less. 0 with OLX_LIGHT_REFERENCE
@@ -161,6 +165,18 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 // OLX_ERROR_ARGUMENT as for olx_bake, and where the smallest maps take more: the message says how many megabytes.
 olx_result olx_bake_size_for_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb,
                                     uint32_t *radiance_size);
+// The memory that the process of a bake takes at most, in bytes: with what it held before, such as the scene.
+typedef struct olx_bake_memory {
+  uint64_t most_bytes;  // without a limit
+  uint64_t least_bytes; // the least settings.memory_limit_bytes, with a margin of 1/16 and 3 MB in which refusals may
+                        // differ from run to run, because the memory of the process itself does
+} olx_bake_memory;
+
+// Finds how much memory a bake to `path` takes, by finding buried probes, selectors, cells of the volume and surfels,
+// which are then forgotten. That takes as long as those stages of the bake, and as much memory. memory_limit_bytes is
+// ignored. Errors as of olx_bake.
+olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
+                                   const olx_progress *progress, olx_bake_memory *memory);
 
 // Estimates how long the bake would take on this machine under its present load, without writing the file and without
 // building selectors. Bakes at most eight probes of each kind to a temporary file, and extrapolates. docs/baking.md
@@ -170,7 +186,9 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 
 // Bakes a field and writes it to `path`, through a temporary file that is synced and renamed, so that a failure or a
 // kill at any moment leaves the old file or the new one. The bytes depend on the scene and the settings alone, not on
-// threads or runs. stats may be NULL.
+// threads or runs. stats may be NULL. A bake with a memory limit measures its memory first
+// (olx_bake_measure_memory), and returns OLX_ERROR_MEMORY, with the least limit that suffices, before it creates a file
+// or a folder.
 //
 // With a work folder, a bake continues where another one of the same scene, settings, build and machine stopped.
 // OLX_ERROR_ARGUMENT when the folder belongs to another bake, and OLX_ERROR_FILE when it is not a work folder or is in

@@ -223,7 +223,7 @@ class BakeSettings(Struct):
                 ("noise", c_float), ("reference_paths", c_uint32), ("volume_cells", c_uint32), ("classic", c_bool),
                 ("classic_size", c_uint32), ("classic_cube_size", c_uint32), ("classic_sharpness", c_uint32),
                 ("relight", c_bool), ("fit", c_bool), ("seed", c_uint32), ("threads", c_uint32),
-                ("measure_embree", c_bool), ("work", BakeWork)]
+                ("measure_embree", c_bool), ("memory_limit_bytes", c_uint64), ("work", BakeWork)]
 
 
 class BakeStats(Struct):

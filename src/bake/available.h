@@ -8,6 +8,14 @@
 // process is in, whichever is less. UINT64_MAX when it is not known.
 uint64_t olx_available_memory(void);
 
+// Memory of this process in bytes: what it holds now, with the most that its program and libraries will be read into,
+// and the most that it held at any time. 0 when it is not known.
+typedef struct olx_process_memory {
+  uint64_t now, most;
+} olx_process_memory;
+
+olx_process_memory olx_own_memory(void);
+
 // Returns the bytes that a new file at `path` may take. UINT64_MAX when it is not known, or when `path` is not a
 // regular file.
 uint64_t olx_available_disk(const char *path);

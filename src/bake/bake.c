@@ -3,6 +3,7 @@
 #include <octalux/bake.h>
 
 #include "bake/available.h"
+#include "bake/bake_memory.h"
 #include "bake/bake_run.h"
 #include "bake/bake_settings.h"
 #include "bake/bake_work.h"
@@ -190,18 +191,24 @@ static olx_result make_classic_table(olx_bake_run *b) {
   return olx_classic_table_make(b->classic_table, b->context.settings->threads);
 }
 
-static olx_result solve_light(olx_bake_run *b) {
+olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
-  if (s->light == OLX_LIGHT_REFERENCE) return OLX_OK;
-  olx_task_stage(&b->context.task, "light");
   olx_scene_light_settings settings = olx_scene_light_settings_default();
   settings.bounces = s->bounces + 1;
   settings.noise = s->noise;
   settings.map_size = s->radiance_size;
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
-  settings.task = &b->context.task;
   settings.store = b->store;
+  settings.link_folder = b->link_folder;
+  return settings;
+}
+
+static olx_result solve_light(olx_bake_run *b) {
+  if (b->context.settings->light == OLX_LIGHT_REFERENCE) return OLX_OK;
+  olx_task_stage(&b->context.task, "light");
+  olx_scene_light_settings settings = olx_bake_light_settings(b);
+  settings.task = &b->context.task;
   OLX_TRY(olx_scene_light_create(b->context.scene, &settings, b->context.probes.light_field.positions,
                                  b->context.probes.light_field.flags, b->context.probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
@@ -235,7 +242,7 @@ uint64_t olx_bake_units(const olx_bake_run *b) {
   return units;
 }
 
-static olx_result make_plan(olx_bake_run *b) {
+olx_result olx_bake_make_plan(olx_bake_run *b) {
   OLX_TRY(olx_surface_lights(b->context.scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
@@ -265,7 +272,7 @@ static olx_result run_probes(olx_bake_run *b) {
 static olx_result run(olx_bake_run *b, const char *path) {
   const olx_bake_settings *s = b->context.settings;
   olx_bake_describe(b);
-  OLX_TRY(olx_bake_plan(b, make_plan));
+  OLX_TRY(olx_bake_plan(b, olx_bake_make_plan));
   const bool is_part = olx_unit_store_is_part(b->store);
   if (is_part && olx_bake_is_stored(b)) return OLX_OK;
   if (!is_part) OLX_TRY(olx_bake_create_file(b, path));
@@ -314,18 +321,24 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
   return result;
 }
 
-static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progress *progress) {
-  const double start = olx_seconds();
-  OLX_TRY(place_probes(&b->context.settings->grid, b->context.settings->probes, b->context.settings->probe_count,
-                       &b->context.probes.light_field));
-  if (olx_bake_keeps_probe_light(b->context.settings))
-    OLX_TRY(place_probes(&b->context.settings->irradiance_grid, NULL, 0, &b->context.probes.irradiance));
+olx_result olx_bake_begin(olx_bake_run *b, const olx_progress *progress) {
   b->context.distance_scale = olx_length(olx_sub(b->context.scene->bounds_max, b->context.scene->bounds_min));
   olx_task_begin(&b->context.task, progress, "probes", 1);
   olx_shade_context_begin(&b->shade, b->context.scene, b->context.settings->seed);
   const float spacing = least_spacing(&b->context.settings->irradiance_grid, b->context.distance_scale);
   b->shade.share_distance = 0.01f * spacing;
-  return olx_bake_finish(b, run(b, path), start);
+  OLX_TRY(place_probes(&b->context.settings->grid, b->context.settings->probes, b->context.settings->probe_count,
+                       &b->context.probes.light_field));
+  if (olx_bake_keeps_probe_light(b->context.settings))
+    OLX_TRY(place_probes(&b->context.settings->irradiance_grid, NULL, 0, &b->context.probes.irradiance));
+  return OLX_OK;
+}
+
+static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progress *progress) {
+  const double start = olx_seconds();
+  olx_result result = olx_bake_begin(b, progress);
+  if (result == OLX_OK) result = run(b, path);
+  return olx_bake_finish(b, result, start);
 }
 
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
@@ -342,6 +355,9 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
   used.grid = without_idle_spacing(settings->grid);
   used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
   olx_bake_run b = {.context = {.scene = scene, .settings = &used}};
+  char link_folder[PATH_MAX];
+  OLX_TRY(olx_bake_keep_limit(scene, &used, path, progress, link_folder));
+  if (link_folder[0]) b.link_folder = link_folder;
   OLX_TRY(olx_bake_work_open(scene, &used, &b.store));
   const olx_result result = bake_scene(&b, path, progress);
   olx_bake_work_close(b.store, &used.work, result);

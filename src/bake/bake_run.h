@@ -28,7 +28,8 @@ typedef struct olx_bake_run {
   olx_shade_context shade;
   olx_gather gather;
   olx_capture capture;
-  olx_scene_light *light; // NULL where indirect light is path traced for reference
+  const char *link_folder; // where links between surfels are kept in files; NULL: in memory
+  olx_scene_light *light;  // NULL where indirect light is path traced for reference
   olx_surface_capture surfaces;
   olx_field_light *lights;
   olx_volume_bake volume;
@@ -58,6 +59,14 @@ olx_result olx_bake_classic(olx_bake_run *run);
 olx_result olx_bake_relight(olx_bake_run *run);
 // Runs the stage of light field probes, with their data for relighting.
 olx_result olx_bake_probes(olx_bake_run *run);
+
+// Places the probes of a bake whose scene and settings are known. olx_bake_finish is to be called even on failure.
+olx_result olx_bake_begin(olx_bake_run *run, const olx_progress *progress);
+// Computes the plan: `make` of olx_bake_plan.
+olx_result olx_bake_make_plan(olx_bake_run *run);
+olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *run);
+// The memory of a bake's arrays, without the scene, its light and selectors, for as many threads as the settings say.
+uint64_t olx_bake_array_bytes(const olx_bake_run *run);
 
 // Releases everything that a bake holds, whether it wrote a file or not. Returns `result`, or the error of committing
 // the file.

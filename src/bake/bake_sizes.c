@@ -30,6 +30,13 @@ static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout)
   return s->classic ? bytes + olx_classic_bake_bytes(&b->classic) : bytes;
 }
 
+uint64_t olx_bake_array_bytes(const olx_bake_run *b) {
+  const olx_field_header header = olx_bake_header(b);
+  olx_field_layout layout;
+  olx_field_lay_out(&header, &layout);
+  return memory_of(b, &layout);
+}
+
 static uint64_t links_of(const olx_bake_settings *settings) {
   return settings->light == OLX_LIGHT_CACHE ? olx_scene_light_most_link_bytes() : 0;
 }

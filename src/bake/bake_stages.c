@@ -110,6 +110,7 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
   joined->settings = record->settings;
   joined->settings.work = (olx_bake_work){0};
   joined->settings.threads = 0;
+  joined->settings.memory_limit_bytes = 0;
   if (joined->settings.probes) joined->settings.probes = b->context.probes.light_field.positions;
   joined->scene.bounds_min = record->bounds_min;
   joined->scene.bounds_max = record->bounds_max;

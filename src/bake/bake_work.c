@@ -22,9 +22,9 @@ static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
   olx_bytes_put(to, grid->count, 3, sizeof *grid->count);
 }
 
-// A new setting has to be added to the manifest as well, unless results do not depend on it, like the number of threads
-// and the work folder.
-_Static_assert(sizeof(olx_bake_settings) == 224, "does a new setting change results?");
+// A new setting has to be added to the manifest as well, unless results do not depend on it, like the number of
+// threads, the memory limit and the work folder.
+_Static_assert(sizeof(olx_bake_settings) == 232, "does a new setting change results?");
 
 static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
   const uint32_t numbers[] = {s->probes ? s->probe_count : 0,

@@ -7,6 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "light/link_batch.h"
 #include "scene/bvh.h"
 
 #include <string.h>
@@ -68,6 +69,8 @@ static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t sur
     for (uint32_t i = 0; from && i < batch->rays; i++) {
       if (olx_link_brings_light(&from[i])) add_link(list, &from[i], share);
     }
+    const uint32_t n = from ? (uint32_t)((size_t)(from - batch->links) / batch->rays) : 0;
+    if (from) olx_link_batch_rest(batch, n, n + 1);
   }
   return olx_link_list_take(list, MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
 }

@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "light/link_batch.h"
 
 typedef struct lesson {
   const olx_ray_guide *guide;
@@ -18,6 +19,7 @@ static float brought(const lesson *l, const olx_link *link, float fixed) {
 }
 
 static void add_batch(const lesson *l, const olx_link_batch *batch) {
+  uint32_t from = 0;
   for (uint32_t n = 0; n < batch->count; n++) {
     const uint32_t surfel = olx_link_surfel(batch, n);
     olx_guide_sums *sums = &l->sums[l->guide->pool_of[surfel]];
@@ -26,7 +28,9 @@ static void add_batch(const lesson *l, const olx_link_batch *batch) {
       const size_t at = (size_t)n * batch->rays + i;
       olx_guide_add(sums, point, brought(l, &batch->links[at], batch->fixed[at]));
     }
+    olx_link_batch_passed(batch, n, &from);
   }
+  olx_link_batch_rest(batch, from, batch->count);
 }
 
 olx_result olx_rays_learn(olx_ray_guide *guide, const olx_light_surfels *surfels, const olx_light_links *links,

@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
+#include "light/link_batch.h"
 
 enum { SURFELS_PER_JOB = 256, KEPT = OLX_BOUNCES_KEPT };
 
@@ -20,6 +21,7 @@ static void add_links(void *user, uint32_t job) {
   const bounce *b = user;
   const uint32_t first = job * SURFELS_PER_JOB;
   const uint32_t end = first + SURFELS_PER_JOB < b->batch->count ? first + SURFELS_PER_JOB : b->batch->count;
+  uint32_t from = first;
   for (uint32_t n = first; n < end; n++) {
     const olx_link *links = b->batch->links + (size_t)n * b->batch->rays;
     olx_vec3 sum = {0};
@@ -32,7 +34,9 @@ static void add_links(void *user, uint32_t job) {
     }
     olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
     *to = olx_add(*to, sum);
+    olx_link_batch_passed(b->batch, n, &from);
   }
+  olx_link_batch_rest(b->batch, from, end);
 }
 
 // Computes the light after exactly `number` surfaces, in place of the oldest bounce.
@@ -104,6 +108,7 @@ static void add_spread(void *user, uint32_t job) {
   const spread *s = user;
   const uint32_t first = job * SURFELS_PER_JOB;
   const uint32_t end = first + SURFELS_PER_JOB < s->batch->count ? first + SURFELS_PER_JOB : s->batch->count;
+  uint32_t from = first;
   for (uint32_t n = first; n < end; n++) {
     const olx_link *links = s->batch->links + (size_t)n * s->batch->rays;
     double sum = 0.0, square = 0.0;
@@ -113,7 +118,9 @@ static void add_spread(void *user, uint32_t job) {
       square += value * value;
     }
     s->squares[olx_link_surfel(s->batch, n)] += square - sum * sum / s->batch->rays;
+    olx_link_batch_passed(s->batch, n, &from);
   }
+  olx_link_batch_rest(s->batch, from, end);
 }
 
 // Batches differ in the weight of their rays, so that each batch has its own mean.

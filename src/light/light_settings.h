@@ -18,7 +18,8 @@ typedef struct olx_scene_light_settings {
   uint32_t seed;     // seed of random numbers
   uint32_t threads;  // 0: one per processor
   olx_task *task;    // may be NULL
-  olx_unit_store *store; // store of the bake that the light belongs to; NULL: nothing is stored
+  olx_unit_store *store;   // store of the bake that the light belongs to; NULL: nothing is stored
+  const char *link_folder; // where links are kept in files, to save memory; NULL: in memory
 } olx_scene_light_settings;
 
 // Statistics of a solution.

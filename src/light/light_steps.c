@@ -8,6 +8,7 @@
 #include "light/direct_light.h"
 #include "light/learn_rays.h"
 #include "light/light_checkpoint.h"
+#include "light/link_batch.h"
 #include "light/surfel_lookup.h"
 #include "scene/bvh.h"
 
@@ -119,7 +120,8 @@ static olx_result grow_links(olx_scene_light *l, uint32_t from) {
 // Adds a batch whose rays are cast next, with others of the same round.
 static void add_batch(olx_scene_light *l, const olx_link_batch *batch) {
   l->rounds_of[l->links.batch_count] = l->round;
-  l->batches[l->links.batch_count++] = *batch;
+  l->batches[l->links.batch_count] = *batch;
+  l->batches[l->links.batch_count++].folder = l->settings.link_folder;
   l->report.links += (size_t)batch->count * batch->rays;
 }
 
@@ -127,8 +129,10 @@ static void add_batch(olx_scene_light *l, const olx_link_batch *batch) {
 // ray. The patch records the results.
 static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
   olx_link_batch *batch = &l->batches[l->links.batch_count - 1];
+  uint32_t from = 0;
   for (size_t i = 0; i < (size_t)batch->count * batch->rays; i++) {
     olx_link *link = &batch->links[i];
+    if (i % batch->rays == 0 && i > 0) olx_link_batch_passed(batch, (uint32_t)(i / batch->rays) - 1, &from);
     if (olx_link_end(link) != OLX_LINK_UNSERVED) continue;
     const olx_surface_point *point = &l->unserved.points[patch->count];
     const olx_surface surface = olx_surface_point_surface(l->scene, point);
@@ -138,6 +142,7 @@ static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
     patch->links[patch->count] = *link;
     patch->fixed[patch->count++] = batch->fixed[i];
   }
+  olx_link_batch_rest(batch, 0, batch->count);
 }
 
 // Prepares the first rays of the surfels from index `from` on.
@@ -364,8 +369,7 @@ static olx_result learn(olx_scene_light *l) {
   OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
-    olx_release(l->batches[k].fixed);
-    l->batches[k].fixed = NULL;
+    olx_link_batch_release_fixed(&l->batches[k]);
   }
   return measure_noise(l, l->noise);
 }
@@ -435,8 +439,7 @@ olx_result olx_scene_light_begin(olx_scene_light *l) {
 
 void olx_scene_light_clear(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
-    olx_release(l->batches[k].links);
-    olx_release(l->batches[k].fixed);
+    olx_link_batch_release(&l->batches[k]);
     olx_release((void *)l->batches[k].surfels);
   }
   for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) {

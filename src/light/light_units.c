@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "light/light_steps.h"
+#include "light/link_batch.h"
 
 #include <string.h>
 
@@ -55,24 +56,11 @@ static batch_part part_of(const cast_stage *c, uint32_t unit) {
 
 static bool lists_unserved(uint32_t round) { return round < OLX_LIGHT_HIDDEN_ROUNDS; }
 
-static olx_result allocate_links(olx_link_batch *batch) {
-  const size_t links = (size_t)batch->count * batch->rays;
-  batch->links = olx_allocate(links, sizeof *batch->links);
-  batch->fixed = batch->guide ? NULL : olx_allocate(links, sizeof *batch->fixed);
-  if (batch->links && (batch->guide || batch->fixed)) return OLX_OK;
-  olx_release(batch->links);
-  olx_release(batch->fixed);
-  batch->links = NULL;
-  batch->fixed = NULL;
-  return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %llu links of %u surfels", (unsigned long long)links,
-                  batch->count);
-}
+static olx_result allocate_links(olx_link_batch *batch) { return olx_link_batch_allocate(batch, !batch->guide); }
 
 static void release_part(cast_stage *c) {
-  if (c->owns_links) {
-    olx_release(c->part.links);
-    olx_release(c->part.fixed);
-  }
+  if (c->owns_links) olx_link_batch_release(&c->part);
+  else olx_link_batch_rest(&c->part, 0, c->part.count);
   olx_release(c->found.points);
   c->owns_links = false;
   c->found = (olx_point_list){0};
@@ -160,6 +148,7 @@ static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
   olx_bytes_copy(from, &rays, 1, sizeof rays);
   olx_bytes_copy(from, p.batch->links + offset, links, sizeof *p.batch->links);
   if (!p.batch->guide) olx_bytes_copy(from, p.batch->fixed + offset, links, sizeof *p.batch->fixed);
+  olx_link_batch_rest(p.batch, p.first, p.first + p.count);
   return load_found(c, &p, rays, from);
 }
 
@@ -375,7 +364,8 @@ static void load_batches(olx_scene_light *l, olx_byte_reader *from) {
                                      .count = r.count,
                                      .first_ray = r.first_ray,
                                      .rays = r.rays,
-                                     .guide = r.is_guided ? &l->guide : NULL};
+                                     .guide = r.is_guided ? &l->guide : NULL,
+                                     .folder = l->settings.link_folder};
     if (r.has_numbers) l->batches[k].surfels = olx_bytes_take(from, r.count, sizeof *l->batches[k].surfels);
     l->links.batch_count = k + 1;
   }
@@ -514,21 +504,21 @@ static void apply_patch(olx_scene_light *l, uint32_t round) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_link_batch *batch = &l->batches[k];
     if (l->rounds_of[k] != round) continue;
-    uint32_t next = 0;
+    uint32_t next = 0, from = 0;
     for (size_t i = 0; i < (size_t)batch->count * batch->rays && next < patch->count; i++) {
+      if (i % batch->rays == 0 && i > 0) olx_link_batch_passed(batch, (uint32_t)(i / batch->rays) - 1, &from);
       if (olx_link_end(&batch->links[i]) != OLX_LINK_UNSERVED) continue;
       batch->links[i] = patch->links[next];
       batch->fixed[i] = patch->fixed[next++];
     }
+    olx_link_batch_rest(batch, 0, batch->count);
   }
 }
 
 // Frees the light that rays brought without links, which is not needed once a guide has learnt from it.
 static void drop_fixed(olx_scene_light *l, uint32_t round) {
   for (uint32_t k = 0; l->guide.pools && k < l->links.batch_count; k++) {
-    if (l->rounds_of[k] != round) continue;
-    olx_release(l->batches[k].fixed);
-    l->batches[k].fixed = NULL;
+    if (l->rounds_of[k] == round) olx_link_batch_release_fixed(&l->batches[k]);
   }
 }
 
@@ -541,11 +531,7 @@ static bool has_links(const olx_scene_light *l, uint32_t round) {
 
 static void drop_links(olx_scene_light *l, uint32_t round) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
-    if (l->rounds_of[k] != round) continue;
-    olx_release(l->batches[k].links);
-    olx_release(l->batches[k].fixed);
-    l->batches[k].links = NULL;
-    l->batches[k].fixed = NULL;
+    if (l->rounds_of[k] == round) olx_link_batch_release(&l->batches[k]);
   }
 }
 
@@ -636,6 +622,15 @@ static olx_result run_steps(olx_scene_light *l) {
     const olx_unit_stage next = step_of(l, ++step);
     if (!olx_units_have(store, "light", step)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
     OLX_TRY(olx_unit_once(store, &next));
+  }
+  return OLX_OK;
+}
+
+olx_result olx_light_units_explore(olx_scene_light *l) {
+  OLX_TRY(olx_scene_light_begin(l));
+  while (l->phase == OLX_LIGHT_EXPLORING) {
+    OLX_TRY(cast_round(l));
+    OLX_TRY(olx_scene_light_settle(l));
   }
   return OLX_OK;
 }

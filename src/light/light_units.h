@@ -13,6 +13,9 @@ olx_result olx_light_units_look_up(olx_scene_light *light);
 // Runs all steps, or loads those that are stored.
 olx_result olx_light_units_run(olx_scene_light *light);
 
+// Runs the steps that find surfels, without a store, up to the one that lights them.
+olx_result olx_light_units_explore(olx_scene_light *light);
+
 // Loads links and points into memory, where the solution was loaded without them (scene_light.h).
 olx_result olx_light_units_load_links(olx_scene_light *light);
 

@@ -5,6 +5,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
+#include "light/link_batch.h"
 #include "scene/bvh.h"
 
 enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
@@ -303,6 +304,7 @@ static void cast_some(void *user, uint32_t job) {
   const uint32_t first = job * SURFELS_PER_JOB;
   const uint32_t end = first + SURFELS_PER_JOB < c->batch->count ? first + SURFELS_PER_JOB : c->batch->count;
   for (uint32_t n = first; n < end; n++) cast_surfel(c, n, job);
+  olx_link_batch_rest(c->batch, first, end);
 }
 
 // Concatenates the lists of jobs, in the order of jobs.

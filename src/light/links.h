@@ -7,7 +7,7 @@
 #define OLX_LIGHT_LINKS_H
 
 #include "core/pack.h"
-#include "light/ray_guide.h"
+#include "light/link_batch.h"
 
 enum {
   OLX_CHAIN_MOST = 4,        // surfaces that may pass a ray on before it is dropped
@@ -21,22 +21,6 @@ enum {
 #define OLX_LINK_NOWHERE                                                                                               \
   ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, only emission, or a black surface
 #define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // the ray hit a surface for which surfels will be added
-
-// The irradiance at the end times the weight is pi times the radiance that arrives, times the ray's worth, over the
-// density of rays there.
-typedef struct olx_link {
-  uint32_t end;    // the surfel's index, the number of surfaces on the way, and OLX_LINK_LIT
-  uint32_t weight; // RGB9E5
-} olx_link;
-
-// Rays first_ray to first_ray + rays - 1 of some surfels.
-typedef struct olx_link_batch {
-  const uint32_t *surfels; // `count` indices; NULL: consecutive from first_surfel on
-  uint32_t first_surfel, count, first_ray, rays;
-  const olx_ray_guide *guide; // guide that rays are drawn by; NULL: evenly
-  olx_link *links;            // `rays` per surfel
-  float *fixed;               // luminance that each ray brings without its link, times pi; NULL: not stored
-} olx_link_batch;
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
 // emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They

@@ -39,11 +39,10 @@ static olx_result build(olx_scene_light *l) {
   return OLX_OK;
 }
 
-olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
-                                  const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
-                                  olx_scene_light **light) {
-  *light = NULL;
-  olx_scene_light *l = olx_allocate_zero(1, sizeof *l);
+olx_result olx_scene_light_make(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
+                                olx_scene_light **light) {
+  olx_scene_light *l = *light = olx_allocate_zero(1, sizeof *l);
   if (!l) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory");
   l->scene = scene;
   l->settings = *settings;
@@ -52,6 +51,15 @@ olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_
   l->positions = positions;
   l->flags = flags;
   l->probe_count = count;
+  return OLX_OK;
+}
+
+olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                  const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
+                                  olx_scene_light **light) {
+  olx_scene_light *l;
+  *light = NULL;
+  OLX_TRY(olx_scene_light_make(scene, settings, positions, flags, count, &l));
   const olx_result result = build(l);
   l->positions = NULL;
   l->flags = NULL;

@@ -17,6 +17,10 @@ uint64_t olx_scene_light_most_link_bytes(void);
 olx_result olx_scene_light_create(const olx_scene *scene, const olx_scene_light_settings *settings,
                                   const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
                                   olx_scene_light **light);
+// Makes a solution that nothing is known of yet. Positions and flags must stay valid while it is solved.
+olx_result olx_scene_light_make(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                const olx_vec3 *positions, const uint8_t *flags, uint32_t count,
+                                olx_scene_light **light);
 void olx_scene_light_free(olx_scene_light *light);
 
 // Returns the most surfaces between emitter and lit surface, by the solution's settings.

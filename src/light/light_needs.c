@@ -1,0 +1,91 @@
+// Counts the memory that solving the light of a scene will take: finds the surfels, and adds up the arrays of all later
+// steps.
+#include "light/light_needs.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+#include "light/light_steps.h"
+#include "light/light_units.h"
+#include "light/scene_light.h"
+
+enum {
+  UNIT_RAYS = 1 << 19,          // rays of a unit of casting (light_units.c)
+  MOST_REFINING_RAYS = 1 << 14, // rays of a surfel in a round of refining (light_steps.c)
+  SORT_COPIES = 3               // of the entries of a lookup: a list that grows, or that the C library sorts
+};
+
+static uint64_t table_bytes(const olx_cell_table *t) {
+  return t->capacity * (uint64_t)(sizeof *t->keys + sizeof *t->values);
+}
+
+static uint64_t patch_bytes(const olx_scene_light *l) {
+  uint64_t links = 0;
+  for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) links += l->patches[round].count;
+  return links * (sizeof(olx_link) + sizeof(float));
+}
+
+static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_count * sizeof(olx_surface_point); }
+
+// What a step's result holds: everything but points and links.
+static uint64_t step_bytes(const olx_scene_light *l) {
+  const uint64_t surfel = sizeof(olx_light_surfel) + sizeof(olx_fixed_light) + 2 * sizeof(float) +
+                          3 * sizeof(olx_vec3) + sizeof *l->guide.pool_of +
+                          OLX_LIGHT_REFINEMENTS * sizeof(uint32_t); // the last are surfels of refining batches
+  return l->surfels.count * surfel + l->guide.pool_count * sizeof *l->guide.pools + table_bytes(&l->surfels.table) +
+         patch_bytes(l);
+}
+
+static uint64_t lookup_bytes(const olx_scene_light *l) {
+  return l->lookup.list_words * (uint64_t)sizeof *l->lookup.lists + table_bytes(&l->lookup.cubes);
+}
+
+// What bounces, learning and measuring hold at once, or else sorting the lookup.
+static uint64_t work_bytes(const olx_scene_light *l) {
+  const uint64_t surfel = OLX_BOUNCES_KEPT * sizeof(olx_vec3) + sizeof(double) + 2 * sizeof(float);
+  const uint64_t solving = l->surfels.count * surfel + l->guide.pool_count * 2 * sizeof(olx_guide_sums);
+  const uint64_t sorting = l->lookup.list_words * (uint64_t)(SORT_COPIES * 2 * sizeof(uint64_t));
+  return solving > sorting ? solving : sorting;
+}
+
+// All first links, and as many more as refining may add.
+static uint64_t link_bytes(const olx_scene_light *l) {
+  const uint64_t more = (uint64_t)l->visible * OLX_LIGHT_REFINEMENTS * MOST_REFINING_RAYS;
+  const uint64_t links = l->report.links + more < OLX_LIGHT_MOST_LINKS ? l->report.links + more : OLX_LIGHT_MOST_LINKS;
+  return (links > l->report.links ? links : l->report.links) * sizeof(olx_link) + l->report.links * sizeof(float);
+}
+
+static uint64_t unit_bytes(const olx_scene_light *l) {
+  const uint64_t rays = l->report.links < UNIT_RAYS ? l->report.links : UNIT_RAYS;
+  const uint64_t cast = rays * (sizeof(olx_link) + sizeof(float) + sizeof(olx_surface_point)) +
+                        l->surfels.count * sizeof(olx_fixed_light);
+  const uint64_t step = step_bytes(l), points = point_bytes(l), most = step > points ? step : points;
+  return most > cast ? most : cast;
+}
+
+static void count(const olx_scene_light *l, olx_light_needs *needs) {
+  *needs = (olx_light_needs){.surfels = l->surfels.count,
+                             .state_bytes = step_bytes(l) + point_bytes(l) + lookup_bytes(l),
+                             .work_bytes = work_bytes(l),
+                             .link_bytes = link_bytes(l),
+                             .thread_bytes = 4 * (uint64_t)OLX_LINKS_AT_A_TIME,
+                             .unit_bytes = unit_bytes(l)};
+}
+
+static olx_result explore(olx_scene_light *l, olx_light_needs *needs) {
+  OLX_TRY(olx_light_units_explore(l));
+  OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
+  OLX_TRY(olx_light_units_look_up(l));
+  count(l, needs);
+  return OLX_OK;
+}
+
+olx_result olx_light_needs_find(const olx_scene *scene, const olx_scene_light_settings *settings,
+                                const olx_vec3 *positions, const uint8_t *flags, uint32_t probes,
+                                olx_light_needs *needs) {
+  olx_scene_light *l;
+  OLX_TRY(olx_scene_light_make(scene, settings, positions, flags, probes, &l));
+  l->settings.store = NULL;
+  const olx_result result = explore(l, needs);
+  olx_scene_light_free(l);
+  return result;
+}

@@ -1,0 +1,52 @@
+# A disk that fails while a field is written, one that takes fewer bytes at a time than it is given, and two bakes into
+# one output: there is the old field or a whole new one, and no other file.
+. "$OCTALUX_SOURCE_DIR/tests/cli/expect.sh"
+: "${OCTALUX_FULL_DISK:?the library that stands for a disk with faults}"
+bake=(bake builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
+
+# on_disk VARIABLE=VALUE...: the environment of a program on a disk with faults. A sanitizer would rather come first.
+on_disk() { env LD_PRELOAD="$OCTALUX_FULL_DISK" ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" "$@"; }
+
+expect 0 "${bake[@]}" -o whole.olx
+
+# Errors of the device at several moments of the writing.
+mkdir failing
+printf 'the old field' >failing/a.olx
+size=$(stat -c %s whole.olx)
+for bytes in 0 $((size / 4)) $((size / 2)) $((size - 1)); do
+  on_disk OCTALUX_DISK_BYTES="$bytes" OCTALUX_DISK_ERROR=5 "$OCTALUX" "${bake[@]}" -o failing/a.olx >stdout.txt 2>stderr.txt &&
+    fail "a bake after an error of the device at byte $bytes"
+  grep -q "failing/a.olx.*Input/output error" stderr.txt || fail "no word of the device's error at byte $bytes"
+  [ "$(cat failing/a.olx)" = 'the old field' ] || fail "the old field changed after an error at byte $bytes"
+  [ "$(ls -A failing)" = a.olx ] || fail "files left after an error at byte $bytes: $(ls -A failing)"
+done
+
+# Short writes: each is continued.
+on_disk OCTALUX_SHORT_WRITES=1 "$OCTALUX" "${bake[@]}" -o short.olx --work short.work >stdout.txt 2>stderr.txt ||
+  fail "a bake with short writes"
+cmp -s short.olx whole.olx || fail "short writes make another field"
+
+# Two bakes of different fields into one output: both end well, and the output is whole, that of one of them.
+mkdir both
+expect 0 "${bake[@]}" --seed 1 -o other.olx
+"$OCTALUX" "${bake[@]}" -o both/a.olx >/dev/null 2>first.txt &
+first=$!
+"$OCTALUX" "${bake[@]}" --seed 1 -o both/a.olx >/dev/null 2>second.txt || fail "the second of two bakes: $(cat second.txt)"
+wait "$first" || fail "the first of two bakes: $(cat first.txt)"
+cmp -s both/a.olx whole.olx || cmp -s both/a.olx other.olx || fail "two bakes into one output mixed their fields"
+[ "$(ls -A both)" = a.olx ] || fail "two bakes into one output left files: $(ls -A both)"
+
+# Two bakes that keep results in the same folder: the second is refused, or begins when the first has ended.
+code=0
+"$OCTALUX" "${bake[@]}" -o both/b.olx --work one.work >/dev/null 2>first.txt &
+first=$!
+"$OCTALUX" "${bake[@]}" -o both/b.olx --work one.work >/dev/null 2>second.txt || code=$?
+wait "$first" || code=$((10 * code + 1))
+case $code in
+0) ;;
+1) grep -q "one.work: another bake works in this folder" first.txt second.txt || fail "no word of a work folder in use: $(cat first.txt second.txt)" ;;
+*) fail "both of two bakes in one work folder failed: $(cat first.txt second.txt)" ;;
+esac
+cmp -s both/b.olx whole.olx || fail "two bakes in one work folder: another field"
+
+exit "$((failures > 0))"

@@ -129,8 +129,10 @@ static void print_plan(const char *path, const olx_bake_settings *settings, cons
   printf("  memory   %s beside the scene, and %s at most for the light of the scene; %s available\n",
          text_of_bytes(sizes->memory_bytes).text, text_of_bytes(sizes->link_bytes).text,
          available(sizes->available_memory_bytes, &free_bytes));
-  printf("           %.0f MB at most with the scene and the program; --memory %.0f is the least that is accepted\n",
-         (double)memory->most_bytes * 1e-6, (double)memory->least_bytes * 1e-6);
+  if (memory->least_bytes != UINT64_MAX) {
+    printf("           %.0f MB at most with the scene and the program; --memory %.0f is the least that is accepted\n",
+           (double)memory->most_bytes * 1e-6, (double)memory->least_bytes * 1e-6);
+  }
   printf("  work     %s at most in a work folder until it is done\n", text_of_bytes(sizes->work_bytes).text);
   printf("  rays     %.3g\n", (double)sizes->rays);
   printf("  seconds  about %.3g, from a few probes; half and twice as long are possible\n", seconds);
@@ -160,8 +162,9 @@ static int plan_bake(const olx_scene *scene, const bake_command *c, const char *
   double seconds;
   progress_begin(&line, "bake", c->progress == 1);
   const olx_progress progress = progress_of(&line);
-  olx_bake_memory memory;
-  olx_result result = olx_bake_measure_memory(scene, settings, path, &progress, &memory);
+  olx_bake_memory memory = {UINT64_MAX, UINT64_MAX}; // unknown
+  olx_result result = OLX_OK;
+  if (fits == OLX_OK) result = olx_bake_measure_memory(scene, settings, path, &progress, &memory);
   if (result == OLX_OK) result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");

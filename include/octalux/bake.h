@@ -174,7 +174,7 @@ typedef struct olx_bake_memory {
 
 // Finds how much memory a bake to `path` takes, by finding buried probes, selectors, cells of the volume and surfels,
 // which are then forgotten. That takes as long as those stages of the bake, and as much memory. memory_limit_bytes is
-// ignored. Errors as of olx_bake.
+// ignored. Errors as of olx_bake: a bake that olx_bake_measure finds too large for the machine is not examined.
 olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                                    const olx_progress *progress, olx_bake_memory *memory);
 

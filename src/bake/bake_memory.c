@@ -158,8 +158,7 @@ olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settin
   olx_bake_sizes sizes;
   char folder[PATH_MAX];
   *memory = (olx_bake_memory){0};
-  const olx_result checked = olx_bake_measure(scene, settings, "", &sizes);
-  if (checked != OLX_OK && !sizes.probes) return checked; // a bake that does not fit the machine still has its needs
+  OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
   choose_folder(settings, path, folder);
   olx_bake_run b = {.context = {.scene = scene, .settings = settings}, .link_folder = folder};
   memory_needs needs;

@@ -1,4 +1,5 @@
-# Every command stops within a second on a real scene: while it imports or cooks the scene, places probes or bakes.
+# Every command stops within a second on a real scene, while it imports or cooks the scene, places probes or bakes, and
+# leaves nothing behind. (Bakes with a work folder leave that: test_cli_work.sh.)
 set -euo pipefail
 cd "$(dirname "$0")"
 : "${OCTALUX_SCENES:=$OCTALUX_SOURCE_DIR/../shared/scenes}"
@@ -19,7 +20,7 @@ for seconds in 0.1 0.4 0.7 1 1.3; do
   stopped INT "$seconds" scene "$scene" --cook a.olxs
 done
 for seconds in 0.5 2 4 8; do
-  stopped TERM "$seconds" bake "$scene" -o f.olx --grid 8x2x4 --radiance-size 512 --threads 2
+  stopped TERM "$seconds" bake "$scene" -o f.olx --no-work --grid 8x2x4 --radiance-size 512 --threads 2
   for method in grid sdf medial cover; do
     stopped INT "$seconds" place "$scene" -o p.json --method $method --grid 16x16x16 --threads 2 \
       --surfels 200000 --voxels 300

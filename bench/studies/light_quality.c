@@ -125,7 +125,7 @@ static void report_points(const job *j, uint32_t count) {
   free(each);
 }
 
-// The part of the points whose light is interpolated, or gathered, in the error and the difference of all.
+// Prints the part that points whose light is interpolated, or gathered, have in the error and the difference of all.
 static void report_part(const job *j, uint32_t count, bool interpolated) {
   double squares = 0, error = 0, two = 0;
   uint32_t valid = 0, part = 0;

@@ -5,6 +5,7 @@
 //
 // Without a file of probes (or with "-") the probes are those of the scene's grid.
 #include "core/parallel.h"
+#include "light/light_solution.h"
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "options.h"
@@ -144,6 +145,32 @@ static void report_part(const job *j, uint32_t count, bool interpolated) {
          interpolated ? "interpolated" : "gathered", 100.0 * part / valid, error / squares, two / squares);
 }
 
+// Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the guide.
+static void report_rays(const job *j, uint32_t count) {
+  enum { PLACES = 400, RAYS = 2048 };
+  const olx_scene_light *l = j->light[0];
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces, INFINITY};
+  double sum[2] = {0}, squares[2] = {0}, rays = 0;
+  for (uint32_t i = 0; i < count && i < PLACES; i++) {
+    const olx_surface *surface = &j->points[i].surface;
+    if (!j->points[i].valid) continue;
+    const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
+    const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
+    if (near == OLX_CELL_NONE) continue;
+    rays += RAYS;
+    for (uint32_t k = 0; k < 2 * RAYS; k++) {
+      const olx_ray_pool *pool = k % 2 ? olx_light_pool(l, near) : NULL;
+      const double found =
+          (double)olx_luminance(olx_links_gather(&l->surfels, surface, pool, olx_hash2(i, k / 2), 1, &light));
+      sum[k % 2] += found;
+      squares[k % 2] += found * found;
+    }
+  }
+  const double even = sum[0] / rays, guided = sum[1] / rays;
+  printf("a ray's deviation over its mean: even %.2f, guided %.2f\n", sqrt(squares[0] / rays - even * even) / even,
+         sqrt(squares[1] / rays - guided * guided) / guided);
+}
+
 static void print_report(const olx_scene_light_report *r) {
   printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  %.1f s\n", r->surfels,
          r->hidden_surfels, (double)r->rays * 1e-6, (double)r->links * 1e-6, (double)r->bytes * 1e-6, r->bounces,
@@ -200,5 +227,6 @@ int study_light_quality(int argc, char **argv) {
   report_points(&j, points);
   report_part(&j, points, true);
   report_part(&j, points, false);
+  report_rays(&j, points);
   return 0;
 }

@@ -13,11 +13,9 @@
 #include <string.h>
 
 enum {
-  THREAD_BYTES = 1 << 20,   // stack and allocator of a thread
-  LOOSE_BYTES = 4 << 20,    // tables and what the allocator keeps
-  UNIT_COPIES = 2,          // of a unit's bytes, while they are written or read
-  RELIGHT_MOST_LINKS = 256, // of a place (relight_bake.c)
-  RELIGHT_PLACES = 1 << 14  // whose links are found at a time
+  THREAD_BYTES = 1 << 20, // stack and allocator of a thread
+  LOOSE_BYTES = 4 << 20,  // tables and what the allocator keeps
+  UNIT_COPIES = 2         // of a unit's bytes, while they are written or read
 };
 
 // What decides how much memory a bake takes, in bytes.
@@ -42,10 +40,10 @@ static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *ligh
   const olx_bake_settings *s = b->context.settings;
   const uint64_t places = light->surfels + (uint64_t)b->volume.cells.probe_count;
   const uint64_t texels = (uint64_t)b->context.probes.light_field.count * s->radiance_size * s->radiance_size;
-  const uint64_t at_a_time = places < RELIGHT_PLACES ? places : RELIGHT_PLACES;
+  const uint64_t at_a_time = places < OLX_RELIGHT_PLACES ? places : OLX_RELIGHT_PLACES;
   const uint64_t stored = light->surfels * sizeof(olx_relight_surfel) +
-                          places * RELIGHT_MOST_LINKS * sizeof(olx_relight_volume_link) + texels;
-  return s->relight ? 3 * stored + at_a_time * RELIGHT_MOST_LINKS * sizeof(olx_few_link) : 0;
+                          places * OLX_RELIGHT_MOST_LINKS * sizeof(olx_relight_volume_link) + texels;
+  return s->relight ? 3 * stored + at_a_time * OLX_RELIGHT_MOST_LINKS * sizeof(olx_few_link) : 0;
 }
 
 // The largest unit of the store besides the light's.

@@ -13,9 +13,7 @@
 #include <string.h>
 
 enum {
-  MOST_LINKS = 256, // per place
   PLACES_PER_JOB = 256,
-  PLACES_AT_A_TIME = 64 * PLACES_PER_JOB,
   VOLUME_RAYS = 256, // per volume probe
   PACKET = 64,
   SALT_VOLUME = 0x524C564F,
@@ -27,7 +25,7 @@ typedef struct link_job {
   const olx_relight_bake *bake;
   const olx_vec3 *positions; // positions of volume probes; NULL for surfels
   uint32_t first, count;
-  olx_few_link *links; // MOST_LINKS per place
+  olx_few_link *links; // OLX_RELIGHT_MOST_LINKS per place
   uint32_t *counts;    // one per place
   atomic_bool out_of_memory;
 } link_job;
@@ -72,7 +70,7 @@ static uint32_t link_surfel(const link_job *j, olx_link_list *list, uint32_t sur
     const uint32_t n = from ? (uint32_t)((size_t)(from - batch->links) / batch->rays) : 0;
     if (from) olx_link_batch_rest(batch, n, n + 1);
   }
-  return olx_link_list_take(list, MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
+  return olx_link_list_take(list, OLX_RELIGHT_MOST_LINKS, draw_of(parts.surfels->surfels[surfel].cell), links);
 }
 
 // Adds the links of a ray's end, with its albedo averaged over views.
@@ -102,7 +100,7 @@ static uint32_t link_volume_probe(const link_job *j, olx_link_list *list, uint32
     olx_bvh_intersect_many(b->context->scene->bvh, rays, PACKET, false, hits);
     for (uint32_t i = 0; i < PACKET; i++) add_end(b, list, &rays[i], &hits[i]);
   }
-  return olx_link_list_take(list, MOST_LINKS, draw_of(probe), links);
+  return olx_link_list_take(list, OLX_RELIGHT_MOST_LINKS, draw_of(probe), links);
 }
 
 static void link_some(void *user, uint32_t job) {
@@ -115,7 +113,7 @@ static void link_some(void *user, uint32_t job) {
   const uint32_t first = job * PLACES_PER_JOB,
                  end = first + PLACES_PER_JOB < j->count ? first + PLACES_PER_JOB : j->count;
   for (uint32_t i = first; i < end; i++) {
-    olx_few_link *links = j->links + (size_t)i * MOST_LINKS;
+    olx_few_link *links = j->links + (size_t)i * OLX_RELIGHT_MOST_LINKS;
     const uint32_t place = j->first + i;
     j->counts[i] = j->positions ? link_volume_probe(j, &list, place, links) : link_surfel(j, &list, place, links);
   }
@@ -158,7 +156,8 @@ static olx_result append(const link_job *j, olx_relight_rows *rows) {
   uint32_t end = rows->starts[j->first];
   OLX_TRY(grow(rows, end, more));
   for (uint32_t i = 0; i < j->count; i++) {
-    for (uint32_t k = 0; k < j->counts[i]; k++) rows->links[end++] = packed(&j->links[(size_t)i * MOST_LINKS + k]);
+    for (uint32_t k = 0; k < j->counts[i]; k++)
+      rows->links[end++] = packed(&j->links[(size_t)i * OLX_RELIGHT_MOST_LINKS + k]);
     rows->starts[j->first + i + 1] = end;
   }
   return OLX_OK;
@@ -166,8 +165,8 @@ static olx_result append(const link_job *j, olx_relight_rows *rows) {
 
 static olx_result link_parts(link_job *j, uint32_t count, olx_relight_rows *rows) {
   rows->starts[0] = 0;
-  for (j->first = 0; j->first < count; j->first += PLACES_AT_A_TIME) {
-    j->count = count - j->first < PLACES_AT_A_TIME ? count - j->first : PLACES_AT_A_TIME;
+  for (j->first = 0; j->first < count; j->first += OLX_RELIGHT_PLACES) {
+    j->count = count - j->first < OLX_RELIGHT_PLACES ? count - j->first : OLX_RELIGHT_PLACES;
     const uint32_t jobs = (j->count + PLACES_PER_JOB - 1) / PLACES_PER_JOB;
     OLX_TRY(olx_bake_for(j->bake->context, jobs, link_some, j, 0));
     if (atomic_load(&j->out_of_memory)) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for lists of links");
@@ -177,9 +176,9 @@ static olx_result link_parts(link_job *j, uint32_t count, olx_relight_rows *rows
 }
 
 static olx_result link_places(link_job *j, uint32_t count, olx_relight_rows *rows) {
-  const size_t most = count < PLACES_AT_A_TIME ? count : PLACES_AT_A_TIME;
+  const size_t most = count < OLX_RELIGHT_PLACES ? count : OLX_RELIGHT_PLACES;
   rows->starts = olx_allocate((size_t)count + 1, sizeof *rows->starts);
-  j->links = olx_allocate(most * MOST_LINKS, sizeof *j->links);
+  j->links = olx_allocate(most * OLX_RELIGHT_MOST_LINKS, sizeof *j->links);
   j->counts = olx_allocate(most, sizeof *j->counts);
   const olx_result result = rows->starts && j->links && j->counts
                                 ? link_parts(j, count, rows)

@@ -8,6 +8,11 @@
 #include "field/field_writer.h"
 #include "light/few_links.h"
 
+enum {
+  OLX_RELIGHT_MOST_LINKS = 256, // per place
+  OLX_RELIGHT_PLACES = 1 << 14  // whose links are found at a time
+};
+
 // The links of consecutively numbered places; links of surfels have no direction.
 typedef struct olx_relight_rows {
   uint32_t *starts; // start of each place's links, and the end

@@ -8,11 +8,7 @@
 #include "light/light_units.h"
 #include "light/scene_light.h"
 
-enum {
-  UNIT_RAYS = 1 << 19,          // rays of a unit of casting (light_units.c)
-  MOST_REFINING_RAYS = 1 << 14, // rays of a surfel in a round of refining (light_steps.c)
-  SORT_COPIES = 3               // of the entries of a lookup: a list that grows, or that the C library sorts
-};
+enum { SORT_COPIES = 3 }; // of the entries of a lookup: a list that grows, or that the C library sorts
 
 static uint64_t table_bytes(const olx_cell_table *t) {
   return t->capacity * (uint64_t)(sizeof *t->keys + sizeof *t->values);
@@ -49,13 +45,13 @@ static uint64_t work_bytes(const olx_scene_light *l) {
 
 // All first links, and as many more as refining may add.
 static uint64_t link_bytes(const olx_scene_light *l) {
-  const uint64_t more = (uint64_t)l->visible * OLX_LIGHT_REFINEMENTS * MOST_REFINING_RAYS;
+  const uint64_t more = (uint64_t)l->visible * OLX_LIGHT_REFINEMENTS * OLX_LIGHT_MOST_RAYS;
   const uint64_t links = l->report.links + more < OLX_LIGHT_MOST_LINKS ? l->report.links + more : OLX_LIGHT_MOST_LINKS;
   return (links > l->report.links ? links : l->report.links) * sizeof(olx_link) + l->report.links * sizeof(float);
 }
 
 static uint64_t unit_bytes(const olx_scene_light *l) {
-  const uint64_t rays = l->report.links < UNIT_RAYS ? l->report.links : UNIT_RAYS;
+  const uint64_t rays = l->report.links < OLX_LIGHT_UNIT_RAYS ? l->report.links : OLX_LIGHT_UNIT_RAYS;
   const uint64_t cast = rays * (sizeof(olx_link) + sizeof(float) + sizeof(olx_surface_point)) +
                         l->surfels.count * sizeof(olx_fixed_light);
   const uint64_t step = step_bytes(l), points = point_bytes(l), most = step > points ? step : points;

@@ -5,8 +5,10 @@
 #include "light/light_settings.h"
 
 enum {
-  OLX_LIGHT_HIDDEN_ROUNDS = 2, // rounds in which surfels are added where rays end without one
-  OLX_LIGHT_REFINEMENTS = 3,   // rounds in which rays are added where noise is high
+  OLX_LIGHT_HIDDEN_ROUNDS = 2,   // rounds in which surfels are added where rays end without one
+  OLX_LIGHT_REFINEMENTS = 3,     // rounds in which rays are added where noise is high
+  OLX_LIGHT_MOST_RAYS = 16384,   // most rays of a surfel with high variance in a round
+  OLX_LIGHT_UNIT_RAYS = 1 << 19, // rays of a unit of casting: about one second of one processor
   OLX_LIGHT_MOST_BATCHES = 1 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS * 11,
   OLX_LIGHT_MOST_STEPS = 3 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS
 };

@@ -15,7 +15,6 @@
 enum {
   FIRST_RAYS = 64,          // per surfel in the first round
   LEAST_RAYS = 16,          // per surfel where memory is short
-  MOST_RAYS = 16384,        // most rays of a surfel with high variance per round
   LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
   MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
   ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
@@ -334,7 +333,7 @@ static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noi
 
 // Returns the most rays per surfel for which there is memory; 0 when there is none.
 static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
-  for (uint32_t most = MOST_RAYS; most >= l->first_rays; most /= 2) {
+  for (uint32_t most = OLX_LIGHT_MOST_RAYS; most >= l->first_rays; most /= 2) {
     uint64_t links = l->report.links;
     for (uint32_t i = 0; i < l->visible; i++) links += rays_wanted(l, i, noise[i], most);
     if (links <= OLX_LIGHT_MOST_LINKS) return most;
@@ -358,7 +357,7 @@ static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
     }
     add_batch(l, &(olx_link_batch){.surfels = numbers,
                                    .count = count,
-                                   .first_ray = (round + 1) * MOST_RAYS,
+                                   .first_ray = (round + 1) * OLX_LIGHT_MOST_RAYS,
                                    .rays = rays,
                                    .guide = &l->guide});
   }

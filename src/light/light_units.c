@@ -9,10 +9,7 @@
 
 #include <string.h>
 
-enum {
-  RAYS_A_UNIT = 1 << 19,  // about one second of one processor
-  DIRECT_A_UNIT = 1 << 12 // surfels
-};
+enum { DIRECT_A_UNIT = 1 << 12 }; // surfels
 
 // The units of one round of casting.
 typedef struct cast_stage {
@@ -32,7 +29,7 @@ typedef struct batch_part {
 } batch_part;
 
 static uint32_t surfels_a_unit(const olx_link_batch *batch) {
-  return batch->rays < RAYS_A_UNIT ? RAYS_A_UNIT / batch->rays : 1;
+  return batch->rays < OLX_LIGHT_UNIT_RAYS ? OLX_LIGHT_UNIT_RAYS / batch->rays : 1;
 }
 
 static uint32_t units_of(const olx_link_batch *batch) {

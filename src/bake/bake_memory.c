@@ -18,7 +18,7 @@ enum {
   UNIT_COPIES = 2         // of a unit's bytes, while they are written or read
 };
 
-// What decides how much memory a bake takes, in bytes.
+// The numbers of bytes that decide how much memory a bake takes.
 typedef struct memory_needs {
   uint64_t process, explored; // before the bake, and at most until its surfels were found
   uint64_t plan;              // selectors and cells of the volume
@@ -34,8 +34,8 @@ static uint64_t plan_bytes(const olx_bake_run *b) {
   return bytes;
 }
 
-// The links of surfels and of volume probes, a list of them that grows, sites of texels likewise, and the structure
-// that is written.
+// Returns the bytes of relighting's data: links of surfels and of volume probes, sites of texels, lists of them that
+// grow, and the structure that is written.
 static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *light) {
   const olx_bake_settings *s = b->context.settings;
   const uint64_t places = light->surfels + (uint64_t)b->volume.cells.probe_count;
@@ -46,7 +46,7 @@ static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *ligh
   return s->relight ? 3 * stored + at_a_time * OLX_RELIGHT_MOST_LINKS * sizeof(olx_few_link) : 0;
 }
 
-// The largest unit of the store besides the light's.
+// Returns the bytes of the store's largest unit that is not one of the light's.
 static uint64_t unit_bytes(const olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
   const uint64_t irradiance =
@@ -74,7 +74,7 @@ static olx_result find_needs(olx_bake_run *b, memory_needs *n) {
   return OLX_OK;
 }
 
-// Bytes that the bake takes with so many threads, and with links in memory or in files.
+// Returns the bytes that the bake takes with so many threads, and with links in memory or in files.
 static uint64_t bytes_of(const olx_bake_run *b, const memory_needs *n, uint32_t threads, bool in_files) {
   olx_bake_settings settings = *b->context.settings;
   olx_bake_run run = *b;
@@ -90,18 +90,17 @@ static uint64_t bytes_of(const olx_bake_run *b, const memory_needs *n, uint32_t 
   return (solved > explored ? solved : explored) + arrays;
 }
 
-// A limit that is surely accepted for a bake of so many bytes, in whole megabytes.
+// Returns a limit that is surely accepted for a bake of so many bytes, in whole megabytes.
 static uint64_t with_margin(uint64_t bytes) { return (bytes + bytes / 16 + 3000000) / 1000000 * 1000000; }
 
-// Lowers the number of threads until the bake fits; 0 when one thread is too many.
+// Returns the greatest number of threads with which the bake fits; 0 when one thread is too many.
 static uint32_t fitting_threads(const olx_bake_run *b, const memory_needs *n, uint64_t limit) {
   uint32_t threads = threads_of(b->context.settings);
   while (threads > 0 && bytes_of(b, n, threads, true) > limit) threads--;
   return threads;
 }
 
-// The folder of the files that links are kept in: that of the output or, for a part, which has none, of its work
-// folder.
+// Finds the folder for files of links: the output's or, for a part, which has no output, its work folder's.
 static void choose_folder(const olx_bake_settings *s, const char *output, char folder[PATH_MAX]) {
   snprintf(folder, PATH_MAX, "%s", s->work.parts ? s->work.folder : output);
   char *slash = strrchr(folder, '/');

@@ -22,7 +22,7 @@ static uint64_t patch_bytes(const olx_scene_light *l) {
 
 static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_count * sizeof(olx_surface_point); }
 
-// What a step's result holds: everything but points and links.
+// Returns the bytes of a step's result, which has everything but points and links.
 static uint64_t step_bytes(const olx_scene_light *l) {
   const uint64_t surfel = sizeof(olx_light_surfel) + sizeof(olx_fixed_light) + 2 * sizeof(float) +
                           3 * sizeof(olx_vec3) + sizeof *l->guide.pool_of +
@@ -35,7 +35,7 @@ static uint64_t lookup_bytes(const olx_scene_light *l) {
   return l->lookup.list_words * (uint64_t)sizeof *l->lookup.lists + table_bytes(&l->lookup.cubes);
 }
 
-// What bounces, learning and measuring hold at once, or else sorting the lookup.
+// Returns the working memory of bounces, learning and measuring, or of sorting the lookup where that is more.
 static uint64_t work_bytes(const olx_scene_light *l) {
   const uint64_t surfel = OLX_BOUNCES_KEPT * sizeof(olx_vec3) + sizeof(double) + 2 * sizeof(float);
   const uint64_t solving = l->surfels.count * surfel + l->guide.pool_count * 2 * sizeof(olx_guide_sums);
@@ -43,7 +43,7 @@ static uint64_t work_bytes(const olx_scene_light *l) {
   return solving > sorting ? solving : sorting;
 }
 
-// All first links, and as many more as refining may add.
+// Returns the bytes of all first links, and of as many more as refining may add.
 static uint64_t link_bytes(const olx_scene_light *l) {
   const uint64_t more = (uint64_t)l->visible * OLX_LIGHT_REFINEMENTS * OLX_LIGHT_MOST_RAYS;
   const uint64_t links = l->report.links + more < OLX_LIGHT_MOST_LINKS ? l->report.links + more : OLX_LIGHT_MOST_LINKS;

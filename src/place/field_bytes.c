@@ -30,7 +30,7 @@ enum {
 #define VOLUME_MOST_BYTES 6.5e6
 #define BRICKS_SHARE 0.68 // of their budget; the size of their cells leaves them between 0.45 and 0.9 of it
 
-// What the texels of a tile hold, row by row.
+// The geometry and the emission of a tile's texels, row by row.
 typedef struct tile_view {
   olx_geometry_texel geometry[TEXELS];
   uint32_t emission[TEXELS]; // as codes
@@ -65,7 +65,7 @@ static void view_texel(const olx_scene *scene, const olx_ray *ray, const olx_ray
   view->emission[i] = olx_rgb9e5_pack(surface.emission);
 }
 
-// The column and the row of a tile's first texel in the map that it belongs to.
+// Finds the column and the row of a tile's first texel in its map.
 static void corner_of(const tile_sampling *s, uint64_t tile, uint32_t *x, uint32_t *y) {
   const uint32_t i = (uint32_t)(tile % tiles_of_map(s)), along = s->maps->size / SIDE;
   *x = i % along * SIDE;
@@ -112,8 +112,8 @@ static bool is_even(const tile_view *view) {
   return memcmp(view->emission, view->emission + 1, (TEXELS - 1) * sizeof *view->emission) == 0;
 }
 
-// Whether the file stores a tile of emission for it: not where it is dark, and not where the tile before it is the
-// same, as in an even sky.
+// Returns whether the file stores a tile's emission. It stores none for a dark tile, nor for one that equals the tile
+// before it, as in an even sky.
 static bool is_stored(const tile_sampling *s, uint64_t tile, const tile_view *view) {
   if (is_dark(view)) return false;
   if (tile == 0 || !is_even(view)) return true;
@@ -122,7 +122,7 @@ static bool is_stored(const tile_sampling *s, uint64_t tile, const tile_view *vi
   return memcmp(before.emission, view->emission, sizeof view->emission) != 0;
 }
 
-// The k-th sampled tile: one of each of equal parts of all tiles, or every tile.
+// Returns the k-th sampled tile: one of each of equal parts of all tiles, or every tile.
 static uint64_t tile_of(const tile_sampling *s, uint32_t k) {
   if (s->tiles == s->sampled) return k;
   const double place = (double)k + (double)olx_unit_float(olx_hash2(k, SALT_TILES));

@@ -104,7 +104,7 @@ void stop_work_end(void) { stop.working = false; }
 
 bool stop_requested(void) { return stop.signal != 0; }
 
-int stop_exit_code(int code) { return stop_requested() ? 128 + stop.signal : code; }
+int stop_exit_code(int code) { return stop_requested() && code != 0 ? 128 + stop.signal : code; }
 
 void stop_remove_folder(const char *path) {
   pthread_mutex_lock(&stop.folder_lock);

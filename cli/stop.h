@@ -21,7 +21,8 @@ void stop_work_end(void);
 // Returns whether a signal was received.
 bool stop_requested(void);
 
-// Returns the exit code: 128 + the signal's number when one was received, otherwise `code`.
+// Returns the exit code: 128 + the signal's number when a signal kept the work from being finished (`code` is not 0),
+// otherwise `code`.
 int stop_exit_code(int code);
 
 // Registers a temporary folder, which is removed with its files when the program is ended at once. With NULL there is

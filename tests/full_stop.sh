@@ -16,7 +16,7 @@ stopped() {
   python3 "$stop" "$work" "$1" "$2" "$OCTALUX" "${@:3}"
 }
 
-for seconds in 0.1 0.4 0.7 1 1.3; do
+for seconds in 0.1 0.4 0.7 1; do
   stopped INT "$seconds" scene "$scene" --cook a.olxs
 done
 for seconds in 0.5 2 4 8; do

@@ -11,9 +11,12 @@
 #include <octalux/bake.h>
 
 #include <inttypes.h>
-#include <malloc.h>
 #include <math.h>
 #include <stdio.h>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
   cJSON *object = cJSON_CreateObject();
@@ -280,9 +283,13 @@ static const option instructions_option[] = {
 static const option measure_option[] = {
     {"--measure-embree", OPTION_FLAG, 0, NULL, "also time Embree alone on the rays from probes"}, {0}};
 
-// Returns every released block of memory to the system at once: by default the C library keeps more of them the larger
-// they get.
-static void return_released_memory(void) { mallopt(M_MMAP_THRESHOLD, 1 << 17); }
+// Makes the C library return every released block of memory to the system at once: by default glibc keeps more of them
+// the larger they get. Other C libraries, such as musl, have no such setting.
+static void return_released_memory(void) {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 17);
+#endif
+}
 
 int command_bake(int argc, char **argv) {
   bake_command c = {.given = bake_options_begin()};

@@ -11,8 +11,9 @@
 
 #include <string.h>
 
-// The number of rays that olx_trace_rays follows side by side.
-enum { TOGETHER = 64 };
+// The number of rays that olx_trace_rays follows side by side, and the least number for which that is faster than
+// following one after the other: as many as march_wide.c has lanes.
+enum { TOGETHER = 64, WORTHWHILE = 16 };
 
 typedef struct search {
   const olx_field *field;
@@ -346,14 +347,19 @@ static olx_trace_hit search_rest(search *s, float t_max) {
   return describe(s, s->fallback_probe, &s->fallback, t_max);
 }
 
+// Follows a ray by the selector's probes, from where it was lost, until it is resolved.
+static olx_trace_hit follow(search *s, float t_max) {
+  uint32_t probe = OLX_NO_PROBE;
+  olx_probe_answer answer;
+  if (search_probes(s, false, &probe, &answer)) return describe(s, probe, &answer, t_max);
+  return search_rest(s, t_max);
+}
+
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres) {
   search s;
-  uint32_t probe = OLX_NO_PROBE;
-  olx_probe_answer answer;
-  if (!begin_search(&s, field, settings, origin, direction, t_max_metres)) return NOTHING_KNOWN;
-  if (search_probes(&s, false, &probe, &answer)) return describe(&s, probe, &answer, t_max_metres);
-  return search_rest(&s, t_max_metres);
+  const bool begun = begin_search(&s, field, settings, origin, direction, t_max_metres);
+  return begun ? follow(&s, t_max_metres) : NOTHING_KNOWN;
 }
 
 // Rays that are traced together.
@@ -412,7 +418,7 @@ static void prefetch_light(const olx_field *field, const olx_sample_settings *se
 }
 
 // Traces all rays together: first each through its first probe's map, then the unresolved ones through their second,
-// and so on.
+// and so on, until few are left, which are followed one after the other.
 static void trace_by_bricks(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                             const olx_vec3 *origins, const olx_vec3 *directions, float t_max, olx_trace_hit *hits) {
   bundle b;
@@ -421,7 +427,7 @@ static void trace_by_bricks(const olx_field *field, const olx_sample_settings *s
     hits[i] = NOTHING_KNOWN;
     if (begin_search(&b.searches[i], field, settings, origins[i], directions[i], t_max)) b.open[b.open_count++] = i;
   }
-  while (b.open_count) {
+  while (b.open_count >= WORTHWHILE) {
     choose_by_bricks(&b, field);
     for (uint32_t k = b.asking; k < b.open_count; k++) hits[b.open[k]] = search_rest(&b.searches[b.open[k]], t_max);
     olx_trace_probes(field, b.jobs, b.asking, settings->tracer, b.answers);
@@ -438,6 +444,7 @@ static void trace_by_bricks(const olx_field *field, const olx_sample_settings *s
       }
     }
   }
+  for (uint32_t k = 0; k < b.open_count; k++) hits[b.open[k]] = follow(&b.searches[b.open[k]], t_max);
 }
 
 void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
@@ -445,7 +452,7 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
   const bool by_bricks = olx_select_resolve(field, settings->select) == OLX_SELECT_BRICKS;
   for (uint32_t i = 0; i < count; i += TOGETHER) {
     const uint32_t some = count - i < TOGETHER ? count - i : TOGETHER;
-    if (by_bricks) {
+    if (by_bricks && some >= WORTHWHILE) {
       trace_by_bricks(field, settings, some, origins + i, directions + i, t_max_metres, hits + i);
       continue;
     }

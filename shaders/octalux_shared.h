@@ -426,18 +426,18 @@ OLX_GPU_STRUCT(olx_gpu_light) {
 OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint surfels, volume_probes;
   olx_gpu_uint light_samples;
-  olx_gpu_uint tile_side, tile_words; // of a map's part: texels, and what of the map's border repeats them
-  // In the state, counted from behind this
-  olx_gpu_uint lights, tiles;              // tiles: the scheduled ones
-  olx_gpu_uint direct, irradiance, values; // vectors of surfels; values are sums of rays meanwhile
-  olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; sums of rays
+  olx_gpu_uint tile_side, tile_words; // texels along a tile of a map, and words of it with the border that repeats them
+  // Parts of the state, as offsets from the end of this struct.
+  olx_gpu_uint lights, tiles;              // lights, and scheduled tiles
+  olx_gpu_uint direct, irradiance, values; // vectors of surfels; until an update ends, values are sums over rays
+  olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; beam_sums are sums over rays
   olx_gpu_uint sums;                       // change and light of each workgroup that follows links
-  olx_gpu_uint tile_light;                 // of scheduled tiles: sums of rays, vectors
+  olx_gpu_uint tile_light;                 // vectors of scheduled tiles: sums over rays
   olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
-  // In the structure: surfels begin at word 0, or blocks do
+  // Parts of the data for relighting, in which surfels or blocks begin at word 0.
   olx_gpu_uint link_starts, links;
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;
-  olx_gpu_uint volume_light; // in the field's words
+  olx_gpu_uint volume_light; // offset in the field's words
 };
 
 // Push constants of a relighter's passes.

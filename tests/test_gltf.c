@@ -249,9 +249,9 @@ static void texture_transforms_scale_turn_and_move(void **state) {
   const olx_vec2 upper_left = scene->uvs[3], upper_right = scene->uvs[2], lower_left = scene->uvs[0];
   assert_near_number(upper_left.x, 0.0f, 1e-6f); // (0, 0) is mapped to the lower left of the image
   assert_near_number(upper_left.y, 1.0f, 1e-6f);
-  assert_near_number(upper_right.x, 0.0f, 1e-6f); // u goes up
+  assert_near_number(upper_right.x, 0.0f, 1e-6f); // u increases upwards
   assert_near_number(upper_right.y, 0.5f, 1e-6f);
-  assert_near_number(lower_left.x, 0.5f, 1e-6f); // v goes right
+  assert_near_number(lower_left.x, 0.5f, 1e-6f); // v increases to the right
   assert_near_number(lower_left.y, 1.0f, 1e-6f);
   assert_near_vector(look_at_square(scene, 0.5f, 0.5f).base_color, 0, 0, 0.95f, 1e-5f);
   assert_near_vector(look_at_square(scene, 0.25f, 0.75f).emission, 1, 0, 0,

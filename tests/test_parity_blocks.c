@@ -43,7 +43,7 @@ static block_item make_item(uint32_t i) {
   block_item item = {.pooled = {{olx_hash2(i, 3), olx_hash2(i, 4)}},
                      .texel = olx_hash2(i, 5) % OLX_BLOCK_TEXELS,
                      .place = {n, olx_hash2(i, 6) % side, olx_hash2(i, 7) % side}};
-  // A block on a fold.
+  // Every fourth block lies on a fold of the map.
   if (i % 4 == 0) item.place.y = side / 2 - 1 - item.place.x % (side / 2), item.place.x %= side / 2;
   for (uint32_t k = 0; k < 4; k++) item.block.words[k] = olx_hash3(i, k, 8);
   if (form == OLX_GEOMETRY_ONE) {

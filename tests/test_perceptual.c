@@ -88,7 +88,7 @@ static void ssim_of_halved_contrast_is_in_closed_form(void **state) {
     weights += weight;
     alternating += i % 2 ? -weight : weight;
   }
-  // Windows are centred on odd rows as often as on even ones: 48 - 10 rows in all.
+  // Windows are centred on odd rows as often as on even ones: there are 48 - 10 rows of them.
   double expected = 0.0;
   for (int sign = -1; sign <= 1; sign += 2) {
     const double d = 40.0 / 255.0, mean = 128.0 / 255.0, shift = sign * alternating / weights * d;

@@ -198,7 +198,7 @@ static void nothing_to_place_in_is_said_clearly(void **state) {
   made_finish(room);
   const olx_place_settings settings = quick_settings(room, OLX_PLACE_COVER);
   olx_probe_set set;
-  // From above, the outside of the ceiling is seen.
+  // A viewer above the room sees the outside of its ceiling.
   ASSERT_OK(olx_place(room, &settings, NULL, &set));
   for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.y > 3.0f);
   olx_probe_set_free(&set);

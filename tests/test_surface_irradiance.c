@@ -473,7 +473,7 @@ static void every_input_has_a_finite_answer(void **state) {
       settings.keep_buried = i % 2;
       assert_answered(f, &settings, &p);
     }
-    // Then every texel a random one.
+    // Every texel gets random distances and normals.
     for (size_t i = 0; i < f->texels * f->info.probes.count; i++) {
       maps[0][i] = (uint16_t)olx_hash((uint32_t)i) & 0x7BFFu;
       maps[1][i] = (uint16_t)olx_hash((uint32_t)i + 77);

@@ -69,7 +69,7 @@ olx_vec3 host_output(const host_images *host, uint32_t image, uint32_t pixel, fl
 extern const analytic_scene HOST_ROOM;
 olx_field *host_field_make(uint32_t size, uint32_t irradiance_size);
 
-// Such a field on the CPU and on the device. The test adds images and a frame.
+// A field of host_field_make on the CPU and on the device. The test adds images and a frame.
 typedef struct host_fixture {
   gpu_device *device;
   uint32_t messages; // number of messages of the validation layers at the beginning

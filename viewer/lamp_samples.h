@@ -10,7 +10,7 @@
 
 #include <octalux/scene.h>
 
-enum { LAMP_MAX = 96, LAMP_MAX_VIEWS = 256, LAMP_MAX_SAMPLES = 32, LAMP_MAX_TILES = 8 };
+enum { LAMP_MAX = 96, LAMP_MAX_VIEWS = 256, LAMP_MAX_SAMPLES = 32 };
 
 typedef struct lamp_settings {
   uint32_t map_size;        // width of a shadow map in texels; default 512

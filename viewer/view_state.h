@@ -1,4 +1,4 @@
-// What the viewer shows and how: one struct that options, keys, scripts and the panel change, and that the renderer
+// The state of the viewer, what it shows and how: one struct that options, keys, scripts and the panel change, and that the renderer
 // reads.
 #ifndef OCTALUX_VIEW_STATE_H
 #define OCTALUX_VIEW_STATE_H
@@ -139,7 +139,7 @@ typedef struct view_pick {
 // Constants of a session of the viewer.
 typedef struct view_facts {
   char device[256];
-  char scene_name[256], field_name[256];
+  char scene_name[256];
   olx_field_info field;
   const olx_camera *cameras;
   uint32_t camera_count;

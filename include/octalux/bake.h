@@ -25,9 +25,6 @@ typedef enum olx_bake_light {
   OLX_LIGHT_REFERENCE  // paths from every texel: slow, the reference for the cache
 } olx_bake_light;
 
-// Returns the name of a kind of light: "cache" or "reference".
-const char *olx_bake_light_name(olx_bake_light light);
-
 // A finished unit of work, as olx_bake_work.done receives it.
 typedef struct olx_bake_unit {
   const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",

@@ -117,7 +117,7 @@ typedef struct olx_bytes_info {
   // The surfaces that light field probes see: base colour and reflectance, irradiance directly from emitters,
   // irradiance from surfaces, and emission with the sky.
   uint64_t material, direct, indirect, emission;
-  // Their geometry: blocks with their planes, or normals and distances; and the pyramids over distances.
+  // Geometry of the same surfaces: blocks with their planes, or normals and distances; and the pyramids over distances.
   uint64_t geometry, normal, distance, pyramid;
   uint64_t radiance;            // as light field probes saw it
   uint64_t irradiance, moments; // of irradiance probes

@@ -1,4 +1,4 @@
-// Twin of src/field/bilinear.h: which texels of a map a bilinear filter reads.
+// Twin of src/field/bilinear.h: finds the texels of a map that a bilinear filter reads.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_BILINEAR_GLSL

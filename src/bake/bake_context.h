@@ -1,4 +1,4 @@
-// What all stages of a bake share: scene, settings, threads and progress.
+// The context that all stages of a bake share: scene, settings, threads and progress.
 #ifndef OLX_BAKE_BAKE_CONTEXT_H
 #define OLX_BAKE_BAKE_CONTEXT_H
 

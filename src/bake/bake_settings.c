@@ -9,7 +9,6 @@
 
 #include <octalux/limits.h>
 
-#include <assert.h>
 #include <math.h>
 
 enum { CHEAP_PROBES = 64 }; // this many irradiance probes or fewer cost too little to economize on
@@ -36,12 +35,6 @@ bool olx_bake_keeps_probe_light(const olx_bake_settings *s) {
   const bool volume = s->volume_cells > 0 && s->light == OLX_LIGHT_CACHE;
   return s->probe_light || s->classic || !volume || s->irradiance_form != OLX_IRRADIANCE_OCTAHEDRAL ||
          s->bounce_gather != OLX_GATHER_SOLVED;
-}
-
-const char *olx_bake_light_name(olx_bake_light light) {
-  static const char *const names[] = {"cache", "reference"};
-  assert(light <= OLX_LIGHT_REFERENCE);
-  return names[light];
 }
 
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid) {

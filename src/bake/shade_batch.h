@@ -98,10 +98,11 @@ void olx_shade_context_begin(olx_shade_context *context, const olx_scene *scene,
 static inline uint32_t olx_shade_key(const olx_shade_context *context, uint32_t key) { return key ^ context->seed; }
 void olx_shade_context_end(olx_shade_context *context);
 
-// Returns a thread's working memory for one job, or NULL after noting that there is none.
+// Returns a thread's working memory for one job, or NULL after recording that it could not be allocated.
 olx_shade_scratch *olx_shade_scratch_take(olx_shade_context *context);
 void olx_shade_scratch_give(olx_shade_context *context, olx_shade_scratch *scratch);
-// Returns OLX_ERROR_MEMORY once a thread has got no working memory, because then the results of its jobs are missing.
+// Returns OLX_ERROR_MEMORY after a thread could not allocate its working memory, because the results of its jobs are
+// missing then.
 olx_result olx_shade_check_memory(olx_shade_context *context);
 
 // Empties a batch.
@@ -125,7 +126,7 @@ void olx_shade_direct(olx_shade_context *context, olx_shade_scratch *scratch, ol
 // bounce `bounce`.
 void olx_shade_diffuse(olx_shade_context *context, olx_shade_batch *batch, uint32_t bounce);
 
-// Which light a reflected ray brings.
+// The light that a reflected ray brings.
 enum {
   OLX_REFLECT_LIGHTS = 1,  // of emitters and the sky, at its end: part of direct light
   OLX_REFLECT_BOUNCES = 2, // of surfaces

@@ -14,8 +14,7 @@ enum {
   POINTS_PER_PROBE = OLX_FIT_POINTS_PER_PROBE,
   RAYS_PER_POINT = OLX_FIT_RAYS,
   POINTS_PER_JOB = OLX_BATCH_POINTS / RAYS_PER_POINT,
-  STEPS = 48,    // of conjugate gradients
-  MAX_TAPS = 16, // probes that answer for a point
+  STEPS = 48, // of conjugate gradients
   SALT_POINT = 0x46495450,
   SALT_RAY = 0x46495452
 };
@@ -295,4 +294,3 @@ bool olx_surface_fit_measurement(const olx_surface_fit *fit, uint32_t index, olx
   *measurement = (olx_surface_measurement){point->normal, point->measured, &point->weights};
   return point->valid;
 }
-

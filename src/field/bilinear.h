@@ -1,4 +1,4 @@
-// Which texels of a bordered map a bilinear filter reads. Coordinates are in texels of the map without border.
+// Finds the texels of a bordered map that a bilinear filter reads. Coordinates are in texels of the map without border.
 // Its twin is shaders/lib/bilinear.glsl.
 #ifndef OLX_FIELD_BILINEAR_H
 #define OLX_FIELD_BILINEAR_H

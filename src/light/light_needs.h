@@ -1,4 +1,4 @@
-// How much memory solving the light of a scene takes, found by the steps that distribute surfels.
+// Computes how much memory solving the light of a scene takes, as found by the steps that distribute surfels.
 #ifndef OLX_LIGHT_LIGHT_NEEDS_H
 #define OLX_LIGHT_LIGHT_NEEDS_H
 

@@ -1,4 +1,4 @@
-// How many bytes the file of a field is expected to take before it is baked (docs/baking.md, "What a bake takes").
+// Estimates how many bytes the file of a field takes before it is baked (docs/baking.md, "What a bake takes").
 #ifndef OLX_PLACE_FIELD_BYTES_H
 #define OLX_PLACE_FIELD_BYTES_H
 

@@ -13,9 +13,10 @@ bool olx_cameras_are_indoors(const olx_world *world);
 olx_result olx_count_indoors(const olx_space *space, uint32_t threads, uint64_t *pieces, uint64_t *indoor);
 static inline bool olx_pieces_are_indoors(uint64_t pieces, uint64_t indoor) { return 4 * indoor >= pieces; }
 
-// Sets excluded[voxel] to 1 for the reachable voxels of such space, in small pieces of the tile's core. From their
-// middle one sees either sky, and back faces rather than front faces, deeper inside surfaces than `space->outside`
-// (behind walls), or much sky, when the viewer is indoors. No voxels are excluded in scenes that no ray leaves.
+// Sets excluded[voxel] to 1 for reachable voxels where no viewer is, in small pieces of the tile's core. A piece is
+// excluded when it lies behind walls: from its middle one sees sky, more back faces than front faces, and it is deeper
+// inside surfaces than `space->outside`. When the viewer is indoors, a piece that sees much sky is excluded as well. No
+// voxels are excluded in scenes that no ray leaves.
 olx_result olx_find_outdoors(const olx_space *space, bool indoors, uint32_t threads, uint8_t *excluded);
 
 #endif

@@ -22,8 +22,8 @@
 #include <string.h>
 
 #define VOXEL_METRES 0.25f // default size of voxels for space in tiles
-// Most voxels between a floor and what is above it: a door is a third as wide as rooms are high, and models in other
-// units than metres get voxels in proportion.
+// The greatest number of voxels between a floor and what is above it. A door is a third as wide as rooms are high, so
+// that it is some voxels wide, and models in units other than metres get voxels in proportion.
 #define VOXELS_OVERHEAD 12.0f
 #define SMALL_VOXELS 160u // default number of voxels along the longest side of space that is one tile
 #define OPTIMIZE_SURFELS 2048u

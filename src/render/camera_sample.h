@@ -1,4 +1,4 @@
-// What a renderer returns for each camera sample: the light and the surface that it found.
+// The result that a renderer returns for each camera sample: the light and the surface that it found.
 #ifndef OLX_RENDER_CAMERA_SAMPLE_H
 #define OLX_RENDER_CAMERA_SAMPLE_H
 

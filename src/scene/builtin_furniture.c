@@ -236,8 +236,8 @@ olx_result olx_add_plant(const olx_stand *stand, float height, uint32_t pot, uin
   const olx_vec2 profile[] = {{0.11f, 0.0f}, {0.17f, 0.32f}, {0.15f, 0.32f}, {0.14f, 0.27f}, {0.0f, 0.27f}};
   OLX_TRY(olx_add_lathe(stand->scene, "pot", stand->at, profile, 5, 32, pot));
   for (uint32_t i = 0; i < LEAVES; i++) {
-    const float angle = 2.4f * (float)i, share = (float)(i + 1) / LEAVES; // a golden angle apart, the outer leaves
-                                                                          // lower
+    // Leaves are a golden angle apart, and outer leaves are lower.
+    const float angle = 2.4f * (float)i, share = (float)(i + 1) / LEAVES;
     OLX_TRY(add_leaf(stand, 0.27f, (height - 0.27f) * (1.1f - 0.55f * share), 0.08f + 0.45f * share, angle, leaf));
   }
   return OLX_OK;

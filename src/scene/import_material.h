@@ -1,4 +1,4 @@
-// What the materials of all model files share: images beside the model, clamping of values, warnings.
+// Functions that the materials of all model files share: images beside the model, clamping of values, warnings.
 #ifndef OLX_SCENE_IMPORT_MATERIAL_H
 #define OLX_SCENE_IMPORT_MATERIAL_H
 

@@ -14,7 +14,7 @@ const option bake_basic_options[] = {
     {"--radiance-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.radiance_size), "N",
      "texels along a map of light; default 512", OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
     {"--relight", OPTION_FLAG, offsetof(bake_options, settings.relight), NULL,
-     "also what it takes to change lights later"},
+     "also store the data for changing lights at run time"},
     {0}};
 
 const option bake_quality_options[] = {
@@ -23,16 +23,16 @@ const option bake_quality_options[] = {
     {"--samples", OPTION_COUNT, offsetof(bake_options, settings.samples), "N",
      "samples along a texel's side; default 2", OLX_SAMPLES_LEAST, OLX_SAMPLES_MOST},
     {"--light-samples", OPTION_COUNT, offsetof(bake_options, settings.light_samples), "N",
-     "shadow rays a sample and area light; default 1", OLX_LIGHT_SAMPLES_LEAST, OLX_LIGHT_SAMPLES_MOST},
+     "shadow rays for each sample and area light; default 1", OLX_LIGHT_SAMPLES_LEAST, OLX_LIGHT_SAMPLES_MOST},
     {"--bounces", OPTION_COUNT, offsetof(bake_options, settings.bounces), "N",
-     "bounces after direct light, while they bring some; default 32", 0, OLX_BOUNCES_MOST},
+     "most bounces after direct light; they end when they bring little light; default 32", 0, OLX_BOUNCES_MOST},
     {"--volume-cells", OPTION_COUNT, offsetof(bake_options, settings.volume_cells), "N",
-     "smallest cells of the irradiance volume along the space, at most; 0: no volume; default 32", 0,
+     "greatest number of smallest cells of the irradiance volume along the space; 0: no volume; default 32", 0,
      OLX_VOLUME_CELLS_MOST},
     {"--uncompressed", OPTION_FLAG, offsetof(bake_options, settings.uncompressed), NULL,
      "geometry, light and material as texels, not as 4 x 4 blocks"},
-    {"--seed", OPTION_COUNT, offsetof(bake_options, settings.seed), "N",
-     "another one draws other random numbers; default 0", 0, UINT32_MAX},
+    {"--seed", OPTION_COUNT, offsetof(bake_options, settings.seed), "N", "seed of all random numbers; default 0", 0,
+     UINT32_MAX},
     {0}};
 
 const option bake_research_options[] = {
@@ -41,7 +41,7 @@ const option bake_research_options[] = {
     {"--reference-paths", OPTION_COUNT, offsetof(bake_options, settings.reference_paths), "N",
      "paths a texel for --light reference; default 64", OLX_REFERENCE_PATHS_LEAST, OLX_REFERENCE_PATHS_MOST},
     {"--select", OPTION_CHOICES, offsetof(bake_options, settings.select_mask), "cage|voronoi|octree|bricks",
-     "how probes are found, several with commas; default cage for a grid; bricks always"},
+     "selectors of probes to store, separated by commas; default: cage for a grid; bricks are always stored"},
     {"--probe-light", OPTION_FLAG, offsetof(bake_options, settings.probe_light), NULL,
      "also radiance as probes saw it and irradiance probes, for --hits stored, --diffuse irradiance"},
     {"--irradiance-grid", OPTION_GRID, offsetof(bake_options, settings.irradiance_grid.count), "4x4x4",
@@ -57,11 +57,12 @@ const option bake_research_options[] = {
     {"--classic", OPTION_FLAG, offsetof(bake_options, settings.classic), NULL,
      "also maps for `render --method classic`"},
     {"--classic-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.classic_size), "N",
-     "texels along these; default 128", OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST},
+     "texels along a classic map; default 128", OLX_CLASSIC_SIZE_LEAST, OLX_CLASSIC_SIZE_MOST},
     {"--cube-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.classic_cube_size), "N",
-     "texels along a face of their cube maps; default 256", OLX_CLASSIC_CUBE_SIZE_LEAST, OLX_CLASSIC_CUBE_SIZE_MOST},
+     "texels along a face of the cube maps of classic maps; default 256", OLX_CLASSIC_CUBE_SIZE_LEAST,
+     OLX_CLASSIC_CUBE_SIZE_MOST},
     {"--sharpness", OPTION_COUNT, offsetof(bake_options, settings.classic_sharpness), "N",
-     "exponent of the filter from these; default: a texel wide", OLX_CLASSIC_SHARPNESS_LEAST,
+     "exponent of the filter from cube maps to classic maps; default: a texel wide", OLX_CLASSIC_SHARPNESS_LEAST,
      OLX_CLASSIC_SHARPNESS_MOST},
     {0}};
 

@@ -269,9 +269,9 @@ static const option run_options[] = {
     {"--memory", OPTION_DOUBLE, offsetof(bake_command, memory_mb), "MB",
      "the most memory, in 10^6 bytes, for the same field; default: no limit"},
     {"--dry-run", OPTION_FLAG, offsetof(bake_command, dry_run), NULL,
-     "bake nothing: say how large, how much memory, about how long"},
+     "bake nothing: print size, memory and an estimate of the time"},
     {"--progress", OPTION_FLAG_WORD, offsetof(bake_command, progress), "json",
-     "tell progress even when nobody watches; json: a line a unit"},
+     "show progress even without a terminal; json: a line for each unit"},
     {0},
 };
 

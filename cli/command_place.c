@@ -83,8 +83,8 @@ static void print_unreached(const olx_place_report *report) {
 static void print_place(const char *path, const olx_probe_set *set) {
   const olx_place_report *report = &set->report;
   printf("%s: %u probes by %s, a field of about %s at %u texels a side\n", path, set->count,
-         olx_place_method_name(set->settings.method),
-         text_of_bytes(report->field_bytes).text, set->settings.resolution);
+         olx_place_method_name(set->settings.method), text_of_bytes(report->field_bytes).text,
+         set->settings.resolution);
   printf("  covered    %.3f %%  of what rays from playable space meet (%" PRIu64 " held out), %.3f %% by area\n",
          100.0 * report->coverage, report->surfels, 100.0 * report->coverage_by_area);
   print_share("missed", report->missed, "could be covered: more probes, or a higher coverage");
@@ -136,10 +136,10 @@ static int place_probes(place_options *o, const olx_scene *scene, const command_
 
 static const option place_basic_options[] = {
     {"-o", OPTION_TEXT, offsetof(place_options, output), "FILE.json", "the probes to write", 1},
-    {"--count", OPTION_COUNT, offsetof(place_options, settings.count), "N", "so many probes (grid: --grid)", 1,
-     OLX_PLACE_PROBES_MOST},
+    {"--count", OPTION_COUNT, offsetof(place_options, settings.count), "N",
+     "number of probes; --method grid takes --grid instead", 1, OLX_PLACE_PROBES_MOST},
     {"--budget", OPTION_DOUBLE, offsetof(place_options, settings.budget_mb), "MB",
-     "as many as fit, in 10^6 bytes at --resolution"},
+     "as many probes as fit, in 10^6 bytes at --resolution"},
     {"--resolution", OPTION_POWER_OF_TWO, offsetof(place_options, settings.resolution), "N",
      "texels along a map of light; default 512", OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
     {"--picture", OPTION_TEXT, offsetof(place_options, picture.path), "FILE.png",
@@ -152,7 +152,7 @@ static const option place_basic_options[] = {
 
 static const option place_quality_options[] = {
     {"--coverage", OPTION_REAL, offsetof(place_options, settings.coverage), "SHARE",
-     "cover: of what can be covered; default 0.999"},
+     "cover: share of the coverable surfaces to cover; default 0.999"},
     {"--views", OPTION_COUNT, offsetof(place_options, settings.views), "N",
      "cover: probes that see each surface; default 1", OLX_PLACE_VIEWS_LEAST, OLX_PLACE_VIEWS_MOST},
     {"--max-footprint", OPTION_REAL, offsetof(place_options, settings.max_footprint), "SHARE",
@@ -160,16 +160,16 @@ static const option place_quality_options[] = {
     {"--min-cosine", OPTION_REAL, offsetof(place_options, settings.min_cosine), "C",
      "flatter views do not count; default 0.02"},
     {"--voxel-size", OPTION_REAL, offsetof(place_options, settings.voxel_size), "METRES",
-     "of space longer than 160 of them, in tiles; default 0.25"},
+     "side of voxels where space is longer than 160 of them; default 0.25"},
     {"--voxels", OPTION_COUNT, offsetof(place_options, settings.voxels), "N",
-     "along the longest side of space, in one tile", OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
-    {"--seed", OPTION_COUNT, offsetof(place_options, settings.seed), "N", "of all random choices; default 0", 0,
+     "voxels along the longest side of space, all in one tile", OLX_PLACE_VOXELS_LEAST, OLX_PLACE_VOXELS_MOST},
+    {"--seed", OPTION_COUNT, offsetof(place_options, settings.seed), "N", "seed of all random choices; default 0", 0,
      UINT32_MAX},
     {0}};
 
 static const option place_research_options[] = {
     {"--method", OPTION_CHOICE, offsetof(place_options, settings.method), "grid|sdf|medial|cover",
-     "default cover: where they see most"},
+     "how positions are chosen; default cover: where probes see most"},
     {"--grid", OPTION_GRID, offsetof(place_options, settings.grid.count), "4x4x4",
      "grid: probes along x, y, z; default: the scene's", 1, 1024},
     {"--surfels", OPTION_COUNT, offsetof(place_options, settings.surfels), "N",
@@ -181,8 +181,8 @@ static const option place_research_options[] = {
     {"--optimize", OPTION_CHOICE, offsetof(place_options, settings.optimize), "none|gradient|gibbs",
      "move the probes; default none"},
     {"--reward", OPTION_CHOICE, offsetof(place_options, settings.reward), "best|sum",
-     "what --optimize raises; default best"},
-    {"--rounds", OPTION_COUNT, offsetof(place_options, settings.rounds), "N", "--optimize: at most so many; default 50",
+     "reward that --optimize raises; default best"},
+    {"--rounds", OPTION_COUNT, offsetof(place_options, settings.rounds), "N", "--optimize: most rounds; default 50",
      OLX_PLACE_ROUNDS_LEAST, OLX_PLACE_ROUNDS_MOST},
     {0}};
 

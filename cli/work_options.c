@@ -9,14 +9,15 @@
 
 const option work_folder_options[] = {
     {"--work", OPTION_TEXT, offsetof(work_options, folder), "DIR",
-     "keep results there, and go on from what is there; default for long bakes: FILE.olx.work"},
-    {"--no-work", OPTION_FLAG, offsetof(work_options, none), NULL, "keep nothing: what is interrupted begins again"},
-    {"--fresh", OPTION_FLAG, offsetof(work_options, fresh), NULL, "forget what the work folder holds, and begin again"},
-    {"--keep-work", OPTION_FLAG, offsetof(work_options, keep), NULL, "leave the work folder when the field is written"},
+     "keep results in this folder, and resume from it; default for long bakes: FILE.olx.work"},
+    {"--no-work", OPTION_FLAG, offsetof(work_options, none), NULL, "keep no results: an interrupted bake begins anew"},
+    {"--fresh", OPTION_FLAG, offsetof(work_options, fresh), NULL,
+     "discard the results in the work folder, and begin anew"},
+    {"--keep-work", OPTION_FLAG, offsetof(work_options, keep), NULL, "keep the work folder after the field is written"},
     {"--work-limit", OPTION_REAL, offsetof(work_options, limit), "GIB",
-     "the most that the work folder takes; default: no bound"},
+     "the most space that the work folder takes; default: no limit"},
     {"--part", OPTION_TEXT, offsetof(work_options, part), "I/N",
-     "make the I-th of N shares of the work; exit code 75: call it again"},
+     "compute the I-th of N shares of the work; after exit code 75 call it again"},
     {0}};
 
 // Rays from probes, about one minute of one processor, beyond which a bake is worth resuming.

@@ -98,6 +98,9 @@ class Fields(Packaged):
         self.assertTrue((light > 0).all())
         np.testing.assert_array_equal(self.field.irradiance(places[1], (0, 1, 0), views=(0, 1, 0)), light[1])
         self.assertFalse(self.field.irradiance((np.nan, 0, 0), (0, 1, 0)).any())
+        in_space = self.field.volume_irradiance(places, (0, 1, 0))
+        self.assertEqual(in_space.shape, places.shape)
+        np.testing.assert_array_equal(self.field.volume_irradiance(places[1], (0, 1, 0)), in_space[1])
 
     def test_a_mirror_on_the_floor_sees_the_ceiling(self):
         places = np.full((5, 3), (0.3, 1e-3, 0.45))

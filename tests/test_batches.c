@@ -41,9 +41,27 @@ static olx_field *box_field(void) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
   settings.radiance_size = 32;
   settings.noise = 0.3f;
+  settings.probe_light = true;
   olx_field *field = baked_field(scene, &settings, NULL);
   olx_scene_free(scene);
   return field;
+}
+
+// Asserts that irradiance probes and the volume light many points as they light each, and that they light most of them.
+static void assert_irradiance_batches(const olx_field *field, const points *p) {
+  static olx_vec3 probes[POINTS], volume[POINTS];
+  const olx_sample_settings settings = olx_sample_settings_default();
+  uint32_t lit = 0;
+  olx_irradiance_points(field, &settings, POINTS, p->positions, p->normals, p->views, probes);
+  olx_volume_irradiance_points(field, POINTS, p->positions, p->normals, volume);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 by_probes = olx_irradiance(field, &settings, p->positions[i], p->normals[i], p->views[i]);
+    const olx_vec3 by_volume = olx_volume_irradiance(field, p->positions[i], p->normals[i]);
+    assert_memory_equal(&probes[i], &by_probes, sizeof by_probes);
+    assert_memory_equal(&volume[i], &by_volume, sizeof by_volume);
+    lit += by_probes.x > 0.0f && by_volume.x > 0.0f;
+  }
+  assert_true(lit > POINTS / 2);
 }
 
 static void test_batches_say_what_single_calls_say(void **state) {
@@ -73,6 +91,7 @@ static void test_batches_say_what_single_calls_say(void **state) {
     traced += weight > 0.0f;
   }
   assert_true(lit > POINTS / 3 && traced > POINTS / 5 && traced < POINTS);
+  assert_irradiance_batches(field, &p);
   olx_field_close(field);
 }
 

@@ -136,6 +136,19 @@ class Field(Handle):
                                               *(arrays.pointer(a) for a in (positions, normals, shading, views, light)))
         return light
 
+    def volume_irradiance(self, positions: Any, normals: Any) -> np.ndarray:
+        """Indirect irradiance in free space, for moving objects, from the irradiance volume: float32 (..., 3), W/m^2.
+
+        positions (..., 3): metres. normals (..., 3): unit, of the objects' surfaces. 0 where the volume has no cell.
+        """
+        positions = arrays.vectors("positions", positions)
+        shape = positions.shape[:-1]
+        normals = arrays.units("normals", normals, shape)
+        light = np.empty((*shape, 3), np.float32)
+        library.olx_volume_irradiance_points(self.handle, arrays.count(positions),
+                                             *(arrays.pointer(a) for a in (positions, normals, light)))
+        return light
+
     def glossy(self, positions: Any, normals: Any, views: Any, roughness: Any, random: Any, **settings: Any) -> Glossy:
         """One ray's estimate of the light that a GGX lobe gathers at each point.
 

@@ -306,6 +306,8 @@ RUNTIME = {
     "olx_sample_settings_default": (SampleSettings, []),
     "olx_sample_settings_check": (c_int, [_field, _sample]),
     "olx_trace_rays": (None, [_field, _sample, c_uint32, _vectors, _vectors, c_float, POINTER(TraceHit)]),
+    "olx_irradiance_points": (None, [_field, _sample, c_uint32, _vectors, _vectors, _vectors, _vectors]),
+    "olx_volume_irradiance_points": (None, [_field, c_uint32, _vectors, _vectors, _vectors]),
     "olx_surface_irradiance_points": (None, [_field, _sample, c_uint32, _vectors, _vectors, _vectors, _vectors, _vectors]),
     "olx_glossy_rays": (None, [_field, _sample, c_uint32, _vectors, _vectors, _vectors, POINTER(c_float), POINTER(Vec2), _vectors,
                                POINTER(c_float), POINTER(c_float)]),

@@ -13,7 +13,8 @@ while read -r model expected; do
   [ -r "$scenes/$model" ] || { echo "$model: skipped: not in $scenes"; continue; }
   "$OCTALUX" scene "$scenes/$model" --json >"$found" 2>/dev/null || { echo "$model: FAILED: refused"; failed=1; continue; }
   counts=$(python3 -c 'import json, sys
-print(*(json.load(sys.stdin)[k] for k in ("triangles", "materials", "textures", "lights", "cameras")))' <"$found")
+scene = json.load(sys.stdin)
+print(*(scene[k] for k in ("triangles", "materials", "textures", "lights", "cameras")))' <"$found")
   [ "$counts" = "$expected" ] || { echo "$model: FAILED: $counts, expected $expected"; failed=1; }
   count=$((count + 1))
 done <<'TABLE'

@@ -4,6 +4,7 @@ import {
   PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
 import { OctaluxField } from 'octalux';
+import { download } from './download.js';
 import { GLTFLoader } from './GLTFLoader.js';
 import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
@@ -58,7 +59,7 @@ async function load() {
     const sum = (i) => parts.model[i] + parts.field[i];
     showProgress('Loading the room', sum(0) / sum(1));
   };
-  const model = new GLTFLoader().loadAsync('scene.glb', ({ loaded, total }) => hear('model')(loaded, Math.max(total, loaded)));
+  const model = download('scene.glb.gz', { onProgress: hear('model') }).then((bytes) => new GLTFLoader().parseAsync(bytes, ''));
   return Promise.all([model, OctaluxField.load('field.olx.gz', renderer, { onProgress: hear('field') })]);
 }
 
@@ -318,6 +319,8 @@ async function start() {
   draw();
   state.diffuseSeconds = seconds();
   state.stage = 'diffuse';
+  byId('loading').hidden = !field.info.glossy;
+  if (!field.info.glossy) return;
   byId('loading').className = 'small';
   showProgress('Preparing glossy light', null);
   await new Promise((shown) => setTimeout(shown, 50));
@@ -330,6 +333,12 @@ async function start() {
   state.glossySeconds = seconds();
   state.stage = 'whole';
   byId('loading').hidden = true;
+}
+
+function base64Of(bytes) {
+  let text = '';
+  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
+  return btoa(text);
 }
 
 // Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples: RGBA
@@ -349,10 +358,7 @@ function readLayer(layer, width, height, samples) {
   uniforms.olx_layer.value = 0;
   uniforms.olx_emitters.value = before.emitters;
   uniforms.olx_left.value = before.left;
-  const bytes = new Uint8Array(pixels.buffer);
-  let text = '';
-  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
-  return btoa(text);
+  return base64Of(new Uint8Array(pixels.buffer));
 }
 
 window.octalux = { state, readLayer, get camera() { return camera; }, get field() { return field; }, get ball() { return ball; } };

@@ -16,6 +16,7 @@ drive() { python3 "$source_dir/tests/drive_web.py" "$@"; }
 "$OCTALUX" bake "$room" -o "$work/field.olx" --radiance-size 256 --noise 0.1 --quiet
 "$OCTALUX" render "$room" --field "$work/field.olx" --size 640x360 --spp 1 --glossy-samples 4 --centered -o "$work/render.exr" --quiet
 "$OCTALUX" export web "$room" --field "$work/field.olx" -o "$work/room" --quiet
+[ "$(stat -c %s "$work/room/scene.glb.gz")" -le 5000000 ] || { echo "FAILED: photographs are not JPEG" >&2; exit 1; }
 drive "$work/room" "$work" --megabytes 25 --processor 60
 for layer in indirect_diffuse indirect_glossy; do
   "$OCTALUX" compare "$work/page.exr" "$work/render.exr" --layer "$layer" --json >"$work/compare.json"

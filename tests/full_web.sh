@@ -34,17 +34,6 @@ cp "$work/texels/page.exr" "$work/page.exr"
 within indirect_diffuse
 within indirect_glossy
 
-# The examples of the package light a room, without a message on the console.
-mkdir "$work/app" "$work/app/node_modules"
-cp "$source_dir"/web/examples/*.html "$work/app"
-packages=$(dirname "$OCTALUX")/web-packages/node_modules
-ln -s "$packages/three" "$work/app/node_modules/three"
-mkdir "$work/app/node_modules/octalux"
-node "$source_dir/web/build.mjs" "$work/app/node_modules/octalux/dist"
-gzip -dc "$work/room/scene.glb.gz" >"$work/app/room.glb"
-cp "$work/field.olx" "$work/app/room.olx"
-python3 "$source_dir/tests/drive_examples.py" "$work/app" "$work"
-
 # The page's own code is small beside three.js.
 ours=$(cd "$work/room" && cat $(ls | grep -vE '^(three|GLTFLoader|BufferGeometryUtils|SkeletonUtils|scene|field\.olx)') | gzip -9 | wc -c)
 echo "our code: $ours bytes compressed"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The exported page of the living room on probes of 256^2 in headless Chromium: what it loads, with reflections and
-# without, that its light agrees with that of `octalux render`, and that rays find what they look for.
+# without, that its light agrees with that of `octalux render`, and that rays find what they look for. Then the examples
+# of the npm package.
 set -euo pipefail
 source_dir=${OCTALUX_SOURCE_DIR:?}
 command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null ||
@@ -31,3 +32,15 @@ done
 "$OCTALUX" bake "$room" -o "$work/half.olx" --radiance-size 128 --noise 0.1 --quiet
 "$OCTALUX" export web "$room" --field "$work/half.olx" --no-glossy -o "$work/diffuse" --quiet
 drive "$work/diffuse" "$work" --no-glossy --megabytes 10 --processor 60
+
+# The examples of the package light a room, without a message on the console.
+mkdir "$work/app" "$work/app/node_modules"
+cp "$source_dir"/web/examples/*.html "$work/app"
+packages=$(dirname "$OCTALUX")/web-packages/node_modules
+ln -s "$packages/three" "$work/app/node_modules/three"
+mkdir "$work/app/node_modules/octalux"
+node "$source_dir/web/build.mjs" "$work/app/node_modules/octalux/dist"
+"$OCTALUX" bake builtin:cornell-glossy -o "$work/app/room.olx" --radiance-size 64 --noise 0.2 --quiet
+"$OCTALUX" export web builtin:cornell-glossy --field "$work/app/room.olx" -o "$work/box" --quiet
+gzip -dc "$work/box/scene.glb.gz" >"$work/app/room.glb"
+python3 "$source_dir/tests/drive_examples.py" "$work/app" "$work"

@@ -24,7 +24,7 @@ typedef struct web_export {
   const char *scene, *field, *folder;
   char page[PATH_MAX]; // folder of the page's own files
   scene_options loading;
-  bool json;
+  bool json, no_glossy;
   uint64_t scene_bytes, field_bytes, page_bytes;
 } web_export;
 
@@ -63,12 +63,8 @@ static int find_page(web_export *e) {
 }
 
 // Checks that the field belongs to the scene, like render.
-static int check_field(const web_export *e, const olx_scene *scene) {
-  olx_field *field = NULL;
-  if (olx_field_open(e->field, &field) != OLX_OK) return library_failure(COMMAND);
-  const uint64_t baked = olx_field_describe(field).scene.hash;
-  olx_field_close(field);
-  if (baked == olx_scene_describe(scene).hash) return EXIT_DONE;
+static int check_field(const web_export *e, const olx_field *field, const olx_scene *scene) {
+  if (olx_field_describe(field).scene.hash == olx_scene_describe(scene).hash) return EXIT_DONE;
   return failure(COMMAND, "%s was baked from another scene than %s", e->field, e->scene);
 }
 
@@ -107,17 +103,26 @@ static int copy_page(web_export *e) {
   return code;
 }
 
-static int write_folder(web_export *e, const olx_scene *scene) {
-  const web_path model = path_of(e->folder, "scene.glb"), field = path_of(e->folder, "field.olx.gz");
+static int write_folder(web_export *e, const olx_field *baked, const olx_scene *scene) {
+  const web_path model = path_of(e->folder, "scene.glb.gz"), field = path_of(e->folder, "field.olx.gz");
   const command_files files = {.inputs = {e->field}, .outputs = {{model.text, false}, {field.text, false}}};
-  int code = check_field(e, scene);
+  int code = check_field(e, baked, scene);
   if (code == EXIT_DONE) code = make_folder(e->folder);
   if (code == EXIT_DONE) code = check_files(COMMAND, &files, e->json);
   if (code == EXIT_DONE) code = check_scene_files(COMMAND, &files, scene);
   if (code != EXIT_DONE) return code;
   if (olx_export_scene(scene, model.text, &e->scene_bytes) != OLX_OK) return library_failure(COMMAND);
-  if (olx_export_gzip(e->field, field.text, &e->field_bytes) != OLX_OK) return library_failure(COMMAND);
-  return copy_page(e);
+  const olx_result result = e->no_glossy ? olx_export_diffuse_gzip(baked, field.text, &e->field_bytes)
+                                         : olx_export_gzip(e->field, field.text, &e->field_bytes);
+  return result == OLX_OK ? copy_page(e) : library_failure(COMMAND);
+}
+
+static int export_folder(web_export *e, const olx_scene *scene) {
+  olx_field *field = NULL;
+  if (olx_field_open(e->field, &field) != OLX_OK) return library_failure(COMMAND);
+  const int code = write_folder(e, field, scene);
+  olx_field_close(field);
+  return code;
 }
 
 static int report_folder(const web_export *e) {
@@ -137,6 +142,8 @@ static int report_folder(const web_export *e) {
 static const option web_options[] = {
     {"--field", OPTION_TEXT, offsetof(web_export, field), "FILE.olx", "the field that gives indirect light", 1},
     {"-o", OPTION_TEXT, offsetof(web_export, folder), "DIR", "the folder to write, made where it is missing", 1},
+    {"--no-glossy", OPTION_FLAG, offsetof(web_export, no_glossy), NULL,
+     "diffuse light alone, with less than half as much to load"},
     {0}};
 
 int command_export_web(int argc, char **argv) {
@@ -153,7 +160,7 @@ int command_export_web(int argc, char **argv) {
   if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;
   code = load_scene(COMMAND, e.scene, &e.loading, &scene);
-  if (code == EXIT_DONE) code = write_folder(&e, scene);
+  if (code == EXIT_DONE) code = export_folder(&e, scene);
   olx_scene_free(scene);
   return code == EXIT_DONE ? report_folder(&e) : code;
 }

@@ -79,7 +79,7 @@ walk_through() {
 
 # room: renders the room, and sets `hero` to its part of the page.
 room() {
-  local base=$out/flat size=480x300 spp=48 look baked field path
+  local base=$out/flat size=640x400 spp=27 look baked field path
   look=(--camera room --size "$size" --exposure 2)
   say "flat: direct light alone"
   "$program" render builtin:flat -o "$base-direct.png" --method path --bounces 0 "${look[@]}" --spp "$spp" >"$out/log.txt"
@@ -90,7 +90,7 @@ room() {
   say "flat: render from the field"
   field=$("$program" render builtin:flat -o "$base-field.exr" --png "$base-field.png" --field "$base.olx" "${look[@]}" \
     --spp "$spp" --glossy-samples 1 --json)
-  "$program" render builtin:flat -o "$base-probes.png" --field "$base.olx" "${look[@]}" --spp 16 --glossy-samples 1 \
+  "$program" render builtin:flat -o "$base-probes.png" --field "$base.olx" "${look[@]}" --spp 9 --glossy-samples 1 \
     --show-probes >"$out/log.txt"
   say "flat: path trace, as many samples"
   path=$("$program" render builtin:flat -o "$base-path.exr" --png "$base-path.png" --method path --field "$base.olx" \
@@ -184,6 +184,8 @@ p { max-width: 80ch; margin: 0 0 16px; }
 .slider img { display: block; width: 100%; }
 .slider .over { position: absolute; inset: 0; clip-path: inset(0 calc(100% - var(--at)) 0 0); }
 .slider::after { content: ""; position: absolute; top: 0; bottom: 0; left: calc(var(--at) - 1px); width: 2px; background: #fff; }
+.slider::before { content: "\2039\a0\203a"; position: absolute; z-index: 1; top: 50%; left: var(--at); width: 40px; height: 40px; transform: translate(-50%, -50%);
+  display: grid; place-items: center; border-radius: 50%; background: #fff; color: #1d1f21; font-size: 22px; line-height: 1; box-shadow: 0 1px 6px #0008; pointer-events: none; }
 .slider span { position: absolute; top: 12px; padding: 2px 10px; border-radius: 999px; background: #000a; color: #fff; font-size: 14px; }
 .slider .left { left: 12px; }
 .slider .right { right: 12px; }

@@ -36,6 +36,7 @@ class Page:
         os.close(to_browser)
         os.close(from_browser)
         self.buffer, self.next_id, self.session, self.problems = b"", 0, None, []
+        self.received_bytes = 0  # of everything that the page loaded, headers included
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -84,10 +85,21 @@ class Page:
             self.problems.append("console: " + json.dumps(parameters["args"])[:500])
         elif method == "Log.entryAdded" and parameters["entry"]["level"] in ("error", "warning"):
             self.problems.append("console: " + json.dumps(parameters["entry"])[:500])
+        elif method == "Network.loadingFinished":
+            self.received_bytes += parameters["encodedDataLength"]
         elif method == "Network.requestWillBeSent":
             url = parameters["request"]["url"]
             if not url.startswith(self.allowed):
                 self.problems.append("asked for " + url[:200])
+
+    def hide_extensions(self, names):
+        """Makes pages believe that the device lacks these extensions of WebGL."""
+        self.call("Page.addScriptToEvaluateOnNewDocument", source="""
+            const hidden = %s, { getExtension, getSupportedExtensions } = WebGL2RenderingContext.prototype;
+            Object.assign(WebGL2RenderingContext.prototype, {
+              getExtension(name) { return hidden.includes(name) ? null : getExtension.call(this, name); },
+              getSupportedExtensions() { return getSupportedExtensions.call(this).filter((name) => !hidden.includes(name)); },
+            });""" % json.dumps(names))
 
     def open(self, path):
         self.visit(pathlib.Path(path).resolve().as_uri())

@@ -111,11 +111,12 @@ mkdir alone/web
 echo "<!doctype html>" >alone/web/index.html
 if alone/octalux export web builtin:cornell-glossy --field plain.olx -o room >stdout.txt 2>stderr.txt; then fail "a field of another scene"; fi
 alone/octalux export web builtin:cornell --field plain.olx -o room --json >stdout.txt 2>stderr.txt || fail "export web"
-[ "$(ls room | tr '\n' ' ')" = "field.olx.gz index.html scene.glb " ] || fail "export web wrote $(ls room)"
+[ "$(ls room | tr '\n' ' ')" = "field.olx.gz index.html scene.glb.gz " ] || fail "export web wrote $(ls room)"
 gzip -dc room/field.olx.gz | cmp - plain.olx || fail "the field is another one after gzip"
-expect_json "o['triangles'] == 32 and o['materials'] == 4" scene room/scene.glb
+gzip -dc room/scene.glb.gz >room.glb
+expect_json "o['triangles'] == 32 and o['materials'] == 4" scene room.glb
 "$OCTALUX" scene builtin:cornell --json >a.json
-"$OCTALUX" scene room/scene.glb --json >b.json
+"$OCTALUX" scene room.glb --json >b.json
 python3 - <<'PYTHON' || fail "the exported model is another scene"
 import json
 a, b = json.load(open("a.json")), json.load(open("b.json"))
@@ -125,5 +126,12 @@ assert near(a["bounds_min"], b["bounds_min"]) and near(a["bounds_max"], b["bound
 assert near(a["camera_list"][0]["eye"], b["camera_list"][0]["eye"])
 assert abs(a["camera_list"][0]["fov_y_degrees"] - b["camera_list"][0]["fov_y_degrees"]) < 1e-3
 PYTHON
+
+# Without reflections the page gets a smaller field, which is sound but lacks what a field must have.
+alone/octalux export web builtin:cornell --field plain.olx --no-glossy -o dull --json >stdout.txt 2>stderr.txt || fail "export web --no-glossy"
+gzip -dc dull/field.olx.gz >dull.olx
+[ "$(stat -c %s dull.olx)" -lt "$(stat -c %s plain.olx)" ] || fail "a field without reflections is no smaller"
+expect_failure "dull.olx: no chunk DMIN" info dull.olx
+cmp -s room/scene.glb.gz dull/scene.glb.gz || fail "--no-glossy writes another model"
 
 finish

@@ -24,7 +24,7 @@ grep -q '^# fail 0$' "$work/tests" && grep -q '^# skipped 0$' "$work/tests"
 npm pack --silent --dry-run --ignore-scripts --json >"$work/pack.json"
 node -e '
   const [pack] = JSON.parse(require("fs").readFileSync(process.argv[1], "utf8")), names = pack.files.map(({ path }) => path);
-  const wanted = ["package.json", "README.md", "dist/index.js", "dist/index.d.ts", "dist/library.js", "dist/decoder_wasm.js", "dist/LICENSE"];
+  const wanted = ["package.json", "README.md", "dist/index.js", "dist/index.d.ts", "dist/download.js", "dist/library.js", "dist/decoder_wasm.js", "dist/LICENSE"];
   const missing = wanted.filter((name) => !names.includes(name)), odd = names.filter((name) => !/^(package.json|README.md|dist\/|examples\/)/.test(name));
   if (missing.length || odd.length) throw new Error(`missing ${missing}, odd ${odd}`);
   if (pack.size > 300000) throw new Error(`${pack.size} bytes`);

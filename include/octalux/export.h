@@ -200,15 +200,21 @@ olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *set
 // Writes the contents of a scene as a .glb (glTF 2.0): triangles by material, with embedded textures; emission,
 // specular weight and lights without area by KHR_materials_emissive_strength, KHR_materials_specular and
 // KHR_lights_punctual; cameras. Positions are in metres relative to the scene's origin, so that the model lies over the
-// scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Height maps, alpha
+// scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Textures are PNG; colours of
+// opaque surfaces are JPEG of quality 92 where that takes less than half as much, as photographs do. Height maps, alpha
 // textures of their own and images of environments are left out. Written through a temporary file that is synced and
-// renamed. file_bytes may be NULL.
+// renamed, and compressed by gzip where the path ends in ".gz". file_bytes may be NULL.
 olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 
 // Writes a copy of a file compressed by gzip, which browsers unpack, through a temporary file that is synced and
 // renamed. file_bytes, which may be NULL, receives the size of the copy. The bytes depend only on the file and the
 // version of zlib.
 olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_bytes);
+
+// Writes the part of a field that diffuse light needs, compressed by gzip, through a temporary file that is synced and
+// renamed: positions, geometry, indirect light, bricks and the irradiance volume. The browser package reads it and
+// draws no reflections; olx_field_open refuses it. file_bytes, which may be NULL, receives the size of the file.
+olx_result olx_export_diffuse_gzip(const olx_field *field, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -62,6 +62,10 @@ olx_result olx_image_load(const char *path, olx_image *image);
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
+// Compresses 8-bit pixels of 3 or 4 channels, of which the fourth is left out, to a JPEG in memory; quality: 1 to 100.
+// The caller must release *jpeg with olx_png_free.
+olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
+                           uint8_t **jpeg, size_t *size_bytes);
 
 // A ball in a diagram.
 typedef struct olx_diagram_mark {

@@ -3,6 +3,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/vec.h"
+#include "export/gzip_file.h"
 
 #include <octalux/export.h>
 #include <octalux/render.h>
@@ -15,6 +16,7 @@
 // glTF's constants, which are OpenGL's.
 enum { FLOAT = 5126, UNSIGNED_INT = 5125, ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER = 34963 };
 
+enum { JPEG_QUALITY = 92 };
 enum { GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BINARY = 0x004E4942, GLB_HEADER = 12, GLB_CHUNK = 8 };
 
 typedef struct scene_model {
@@ -25,6 +27,12 @@ typedef struct scene_model {
   size_t size_bytes, most_bytes;
   bool failed; // out of memory
 } scene_model;
+
+typedef struct image_bytes {
+  uint8_t *data;
+  size_t size_bytes;
+  bool is_jpeg;
+} image_bytes;
 
 // ---- Buffer
 
@@ -184,17 +192,46 @@ static void add_materials(scene_model *m) {
 
 // ---- Images
 
-static olx_result add_image(scene_model *m, cJSON *images, const olx_texture *texture) {
-  uint8_t *png;
-  size_t png_bytes;
-  OLX_TRY(olx_png_encode(texture->width, texture->height, 4, texture->texels, &png, &png_bytes));
-  void *to = extend(m, png_bytes);
-  if (to) memcpy(to, png, png_bytes);
-  olx_png_free(png);
+// Returns whether a texture is the colour of opaque surfaces in every material that uses it.
+static bool is_opaque_color(const olx_scene_content *c, uint32_t texture) {
+  const olx_texture *t = &c->textures[texture];
+  for (size_t i = 0; i < (size_t)t->width * t->height; i++) {
+    if (t->texels[4 * i + 3] != 255) return false;
+  }
+  bool is_color = false;
+  for (uint32_t i = 0; i < c->material_count; i++) {
+    const olx_material *m = &c->materials[i];
+    if (m->metallic_roughness_texture == texture || m->normal_texture == texture || m->emission_texture == texture)
+      return false;
+    is_color = is_color || m->base_color_texture == texture;
+  }
+  return is_color;
+}
+
+// Encodes a texture as PNG, or as JPEG if it is a photograph, of which a JPEG takes less than half as much.
+static olx_result encode_image(const scene_model *m, uint32_t texture, image_bytes *image) {
+  const olx_texture *t = &m->content.textures[texture];
+  image_bytes jpeg = {.is_jpeg = true};
+  OLX_TRY(olx_png_encode(t->width, t->height, 4, t->texels, &image->data, &image->size_bytes));
+  if (!is_opaque_color(&m->content, texture)) return OLX_OK;
+  const olx_result result =
+      olx_jpeg_encode(t->width, t->height, 4, t->texels, JPEG_QUALITY, &jpeg.data, &jpeg.size_bytes);
+  const bool better = result == OLX_OK && 2 * jpeg.size_bytes < image->size_bytes;
+  olx_png_free(better || result != OLX_OK ? image->data : jpeg.data);
+  if (better) *image = jpeg;
+  return result;
+}
+
+static olx_result add_image(scene_model *m, cJSON *images, uint32_t texture) {
+  image_bytes encoded = {.data = NULL};
+  OLX_TRY(encode_image(m, texture, &encoded));
+  void *to = extend(m, encoded.size_bytes);
+  if (to) memcpy(to, encoded.data, encoded.size_bytes);
+  olx_png_free(encoded.data);
   if (!to) return OLX_OK; // m->failed records it
   cJSON *image = new_object(m, images);
-  cJSON_AddStringToObject(image, "mimeType", "image/png");
-  cJSON_AddNumberToObject(image, "bufferView", add_view(m, png_bytes, 0));
+  cJSON_AddStringToObject(image, "mimeType", encoded.is_jpeg ? "image/jpeg" : "image/png");
+  cJSON_AddNumberToObject(image, "bufferView", add_view(m, encoded.size_bytes, 0));
   return OLX_OK;
 }
 
@@ -202,7 +239,7 @@ static olx_result add_textures(scene_model *m) {
   if (!m->content.texture_count) return OLX_OK;
   cJSON *images = cJSON_AddArrayToObject(m->root, "images"), *textures = cJSON_AddArrayToObject(m->root, "textures");
   for (uint32_t i = 0; i < m->content.texture_count; i++) {
-    OLX_TRY(add_image(m, images, &m->content.textures[i]));
+    OLX_TRY(add_image(m, images, i));
     cJSON_AddNumberToObject(new_object(m, textures), "source", i);
   }
   return OLX_OK;
@@ -324,6 +361,20 @@ static uint8_t *put_word(uint8_t *to, size_t word) {
   return to;
 }
 
+static bool ends_in_gz(const char *path) {
+  const size_t length = strlen(path);
+  return length >= 3 && strcmp(path + length - 3, ".gz") == 0;
+}
+
+static olx_result write_gzip(const char *path, const void *data, size_t size_bytes, uint64_t *file_bytes) {
+  olx_gzip_file file;
+  OLX_TRY(olx_gzip_create(path, &file));
+  olx_result result = olx_gzip_write(&file, data, size_bytes);
+  if (result == OLX_OK) result = olx_gzip_commit(&file, file_bytes);
+  olx_gzip_discard(&file);
+  return result;
+}
+
 // Writes both chunks, padded to multiples of four: the text with spaces, the buffer with zeros.
 static olx_result write_binary(const scene_model *m, const char *text, const char *path, uint64_t *file_bytes) {
   const size_t length = strlen(text), text_bytes = (length + 3) / 4 * 4, data_bytes = (m->size_bytes + 3) / 4 * 4;
@@ -337,9 +388,10 @@ static olx_result write_binary(const scene_model *m, const char *text, const cha
   memcpy(to, text, length);
   to = put_word(put_word(to + text_bytes, data_bytes), GLB_BINARY);
   memcpy(to, m->bytes, m->size_bytes);
-  const olx_result result = olx_write_file(path, file, bytes);
-  olx_release(file);
   if (file_bytes) *file_bytes = bytes;
+  const olx_result result =
+      ends_in_gz(path) ? write_gzip(path, file, bytes, file_bytes) : olx_write_file(path, file, bytes);
+  olx_release(file);
   return result;
 }
 

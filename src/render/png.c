@@ -1,4 +1,4 @@
-// Encodes images as PNG with dynamic Huffman codes, which halve the size of noisy images.
+// Encodes images as PNG with dynamic Huffman codes, which halve the size of noisy images, and as JPEG.
 #include "render/image_io.h"
 
 #include "core/file.h"
@@ -50,6 +50,38 @@ olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, co
 }
 
 void olx_png_free(uint8_t *png) { olx_release(png); }
+
+typedef struct jpeg_bytes {
+  uint8_t *data;
+  size_t size_bytes, most_bytes;
+  bool failed; // out of memory
+} jpeg_bytes;
+
+// Appends bytes of a JPEG to `context`, a jpeg_bytes.
+static void append_bytes(void *context, void *data, int size_bytes) {
+  jpeg_bytes *to = context;
+  const size_t size = to->size_bytes + (size_t)size_bytes;
+  if (size > to->most_bytes && !to->failed) {
+    uint8_t *more = olx_allocate(2 * size, 1);
+    if (more && to->size_bytes) memcpy(more, to->data, to->size_bytes);
+    olx_release(to->data);
+    to->data = more;
+    to->most_bytes = 2 * size;
+    to->failed = !more;
+  }
+  if (to->failed) return;
+  memcpy(to->data + to->size_bytes, data, (size_t)size_bytes);
+  to->size_bytes = size;
+}
+
+olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
+                           uint8_t **jpeg, size_t *size_bytes) {
+  jpeg_bytes to = {.data = NULL};
+  stbi_write_jpg_to_func(append_bytes, &to, (int)width, (int)height, (int)channels, pixels, (int)quality);
+  *jpeg = to.data;
+  *size_bytes = to.size_bytes;
+  return to.data ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "no memory to compress %ux%u pixels", width, height);
+}
 
 olx_result olx_png_write(const char *path, uint32_t width, uint32_t height, const uint8_t *rgb) {
   uint8_t *png;

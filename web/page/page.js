@@ -1,15 +1,19 @@
 // The page that `octalux export web` writes: a room, its field, and controls for both.
 import {
   ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
-  PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
+  PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
 import { OctaluxField } from 'octalux';
+import { download } from './download.js';
 import { GLTFLoader } from './GLTFLoader.js';
 import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
 const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, TOO_SLOW = 0.25, STILL_SECONDS = 0.25, KEY = 0.2;
+const LAYERS = ['picture', 'diffuse', 'glossy', 'rays']; // olx_layer of shading.js
+
+const AXES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((axis) => new Vector3(...axis));
 
 const byId = (id) => document.getElementById(id);
 const seconds = () => performance.now() / 1000;
@@ -58,7 +62,7 @@ async function load() {
     const sum = (i) => parts.model[i] + parts.field[i];
     showProgress('Loading the room', sum(0) / sum(1));
   };
-  const model = new GLTFLoader().loadAsync('scene.glb', ({ loaded, total }) => hear('model')(loaded, Math.max(total, loaded)));
+  const model = download('scene.glb.gz', { onProgress: hear('model') }).then((bytes) => new GLTFLoader().parseAsync(bytes, ''));
   return Promise.all([model, OctaluxField.load('field.olx.gz', renderer, { onProgress: hear('field') })]);
 }
 
@@ -77,14 +81,28 @@ function makeCamera(gltf, size) {
   return made;
 }
 
+// Returns a place for a ball before the camera, right of and below the middle of the picture, that is not in furniture.
+function placeBefore(radius) {
+  const ray = new Raycaster(), way = new Vector3(0.3, -0.22, -1).applyQuaternion(camera.quaternion).normalize();
+  const firstHit = (from, direction, far) => {
+    ray.set(from, direction);
+    ray.far = far;
+    return ray.intersectObject(room)[0]?.distance ?? far;
+  };
+  const away = firstHit(camera.position, way, 16 * radius);
+  const isFree = (place) => AXES.every((axis) => firstHit(place, axis, 1.2 * radius) >= 1.2 * radius);
+  const places = [0.75, 0.6, 0.45, 0.3].map((share) => camera.position.clone().addScaledVector(way, share * away));
+  return places.find(isFree) ?? places[0];
+}
+
 function makeBall() {
-  const sides = [0, 1, 2].map((i) => field.info.sceneMax[i] - field.info.sceneMin[i]);
+  const sides = [0, 1, 2].map((i) => field.info.sceneMax[i] - field.info.sceneMin[i]), radius = 0.06 * Math.min(...sides);
   const material = field.light(new MeshStandardMaterial({ color: 0xd8d8d8, roughness: 0.85 }), { moving: true, part: 'diffuse' });
-  const made = new Mesh(new SphereGeometry(0.09 * Math.min(...sides), 48, 32), material);
-  made.position.set(...[0.6, 0.42, 0.35].map((share, i) => field.info.sceneMin[i] + share * sides[i]));
+  const made = new Mesh(new SphereGeometry(radius, 48, 32), material);
   made.castShadow = made.receiveShadow = true;
-  const { radius } = made.geometry.parameters, corner = (of, away) => new Vector3(...of).addScalar(away);
+  const corner = (of, away) => new Vector3(...of).addScalar(away);
   made.userData.bounds = [corner(field.info.sceneMin, radius), corner(field.info.sceneMax, -radius)];
+  made.position.copy(placeBefore(radius)).clamp(...made.userData.bounds);
   made.userData.home = made.position.clone();
   return made;
 }
@@ -296,6 +314,7 @@ async function start() {
   const [gltf, loaded] = await load();
   field = loaded;
   room = gltf.scene;
+  room.updateMatrixWorld(true);
   const size = sizeOf(room);
   camera = makeCamera(gltf, size);
   const hasLights = room.getObjectsByProperty('isLight', true).length > 0;
@@ -318,6 +337,8 @@ async function start() {
   draw();
   state.diffuseSeconds = seconds();
   state.stage = 'diffuse';
+  byId('loading').hidden = !field.info.glossy;
+  if (!field.info.glossy) return;
   byId('loading').className = 'small';
   showProgress('Preparing glossy light', null);
   await new Promise((shown) => setTimeout(shown, 50));
@@ -332,15 +353,21 @@ async function start() {
   byId('loading').hidden = true;
 }
 
-// Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples: RGBA
-// floats in base64.
+function base64Of(bytes) {
+  let text = '';
+  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
+  return btoa(text);
+}
+
+// Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples, or for
+// 'rays' the shares of samples that trace a ray and that stay unresolved: RGBA floats in base64.
 function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();
   shot.fov = camera.userData.fov;
   shot.aspect = width / height;
   shot.updateProjectionMatrix();
-  Object.assign(uniforms.olx_layer, { value: layer === 'diffuse' ? 1 : 2 });
+  uniforms.olx_layer.value = LAYERS.indexOf(layer);
   uniforms.olx_emitters.value = false;
   uniforms.olx_left.value = 0;
   ball.visible = false;
@@ -349,10 +376,7 @@ function readLayer(layer, width, height, samples) {
   uniforms.olx_layer.value = 0;
   uniforms.olx_emitters.value = before.emitters;
   uniforms.olx_left.value = before.left;
-  const bytes = new Uint8Array(pixels.buffer);
-  let text = '';
-  for (let i = 0; i < bytes.length; i += 32768) text += String.fromCharCode(...bytes.subarray(i, i + 32768));
-  return btoa(text);
+  return base64Of(new Uint8Array(pixels.buffer));
 }
 
 window.octalux = { state, readLayer, get camera() { return camera; }, get field() { return field; }, get ball() { return ball; } };

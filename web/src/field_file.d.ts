@@ -34,6 +34,8 @@ export interface FieldInfo {
   compressed: boolean;
   /** Whether geometry is in blocks of 4 x 4 texels. */
   geometryBlocks: boolean;
+  /** Whether the file has what glossy light needs: `octalux export web --no-glossy` leaves that out. */
+  glossy: boolean;
   fileBytes: number;
 }
 

@@ -119,23 +119,26 @@ export function parseField(buffer) {
   checkInfo(info);
   const n = info.radianceSize, probes = info.probes, pyramid = pyramidOf(n, info.geometryBlocks);
   const bordered = (n + 2) ** 2 * probes, blocks = (n * n) / 16 * probes;
+  // `octalux export web --no-glossy` leaves out what reflections alone need.
+  const glossy = chunks.has(info.compressed ? 'BAS1' : 'BASE');
+  const forGlossy = (type, Kind, length) => (glossy ? array(type, Kind, length) : new Kind(0));
   const surfaces = info.compressed
     ? {
-        base: array('BAS1', Uint8Array, 8 * blocks),
-        specular: array('REF5', Uint8Array, 16 * blocks),
-        direct: array('DIR6', Uint8Array, 16 * blocks),
+        base: forGlossy('BAS1', Uint8Array, 8 * blocks),
+        specular: forGlossy('REF5', Uint8Array, 16 * blocks),
+        direct: forGlossy('DIR6', Uint8Array, 16 * blocks),
         indirect: array('IND6', Uint8Array, 16 * blocks),
       }
     : {
-        base: array('BASE', Uint8Array, 4 * bordered),
-        specular: array('SPEC', Uint8Array, 2 * bordered),
-        direct: array('DIRE', Uint32Array, bordered),
+        base: forGlossy('BASE', Uint8Array, 4 * bordered),
+        specular: forGlossy('SPEC', Uint8Array, 2 * bordered),
+        direct: forGlossy('DIRE', Uint32Array, bordered),
         indirect: array('INDI', Uint32Array, bordered),
       };
   const optional = (type, Kind) => (chunks.has(type) ? array(type, Kind, null) : null);
   const volume = chunks.has('VOLU') ? { cells: array('VOLU', Uint32Array, null), light: array('VIRR', Uint32Array, null) } : null;
   const field = {
-    info: { ...info, fileBytes: buffer.byteLength, volumeProbes: volume ? volume.light.byteLength / 56 : 0 },
+    info: { ...info, glossy, fileBytes: buffer.byteLength, volumeProbes: volume ? volume.light.byteLength / 56 : 0 },
     origin: chunks.has('ORIG') ? [...array('ORIG', Float64Array, 3)] : [0, 0, 0],
     positions: array('PPOS', Float32Array, 3 * probes),
     flags: array('PFLG', Uint8Array, probes),
@@ -143,11 +146,11 @@ export function parseField(buffer) {
       ? { geometry: array('GEOM', Uint32Array, 4 * blocks), planes: array('PLAN', Uint32Array, null) }
       : { normals: array('NORM', Uint16Array, bordered), distances: array('DIST', Uint16Array, bordered) }),
     pyramid,
-    least: array('DMIN', Uint16Array, pyramid.nodes * probes),
+    least: forGlossy('DMIN', Uint16Array, pyramid.nodes * probes),
     surfaces,
-    emission: array('EMIS', Uint32Array, (n / 8) ** 2 * probes),
-    tiles: array('ETIL', Uint32Array, null),
-    lights: array('LITE', Uint32Array, null),
+    emission: forGlossy('EMIS', Uint32Array, (n / 8) ** 2 * probes),
+    tiles: forGlossy('ETIL', Uint32Array, null),
+    lights: forGlossy('LITE', Uint32Array, null),
     bricks: optional('BRIK', Uint32Array),
     neighbours: optional('VORO', Uint8Array),
     volume,

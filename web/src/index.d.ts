@@ -41,7 +41,10 @@ export class OctaluxField {
   /** Position of the field's origin in the world. Default (0, 0, 0). */
   readonly offset: Vector3;
 
-  /** Lights a standard or physical material; returns it. Replaces its onBeforeCompile and onBeforeRender. Throws a TypeError for another material. */
+  /**
+   * Lights a standard or physical material; returns it. Replaces its onBeforeCompile and onBeforeRender. Throws a TypeError for another
+   * material, and for part 'glossy' of a field without glossy light (`info.glossy`).
+   */
   light<M extends MeshStandardMaterial>(material: M, options?: LightOptions): M;
   /** Lights every standard and physical material below `root`; returns how many materials there are. */
   lightAll(root: Object3D, options?: LightOptions): number;

@@ -2,7 +2,8 @@
 //
 // SPDX-License-Identifier: MIT
 import { AddEquation, CustomBlending, EqualDepth, OneFactor, Vector2, Vector3, Vector4 } from 'three';
-import { FieldError, parseField } from './field_file.js';
+import { download } from './download.js';
+import { parseField } from './field_file.js';
 import { patchShader } from './shading.js';
 import { fieldUniforms } from './textures.js';
 
@@ -20,34 +21,6 @@ function selectorOf(mask) {
   if (mask & CAGE) return 'OLX_SELECT_CAGE';
   if (mask & BRICKS) return 'OLX_SELECT_BRICKS';
   return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
-}
-
-// Reads the body of a response as one buffer; `onProgress` receives the number of bytes loaded, and their total as far
-// as it is known.
-async function readBody(response, onProgress) {
-  const total = Number(response.headers.get('content-length')) || 0, parts = [];
-  let loaded = 0;
-  for (const reader = response.body.getReader(); ;) {
-    const { done, value } = await reader.read();
-    if (done) break;
-    parts.push(value);
-    loaded += value.length;
-    onProgress?.(loaded, Math.max(total, loaded));
-  }
-  const whole = new Uint8Array(loaded);
-  let at = 0;
-  for (const part of parts) {
-    whole.set(part, at);
-    at += part.length;
-  }
-  return whole;
-}
-
-const isGzip = (bytes) => bytes[0] === 0x1f && bytes[1] === 0x8b;
-
-async function unzip(bytes) {
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new Response(stream).arrayBuffer();
 }
 
 export class OctaluxField {
@@ -74,10 +47,7 @@ export class OctaluxField {
   }
 
   static async load(url, renderer, { onProgress, signal } = {}) {
-    const response = await fetch(url, { signal });
-    if (!response.ok) throw new FieldError(`${url}: ${response.status} ${response.statusText}`);
-    const bytes = await readBody(response, onProgress);
-    return OctaluxField.fromBuffer(isGzip(bytes) ? await unzip(bytes) : bytes.buffer, renderer);
+    return OctaluxField.fromBuffer(await download(url, { onProgress, signal }), renderer);
   }
 
   static async fromBuffer(buffer, renderer) {
@@ -93,13 +63,20 @@ export class OctaluxField {
   light(material, { moving = false, part = 'all' } = {}) {
     if (!material.isMeshStandardMaterial) throw new TypeError('a field lights MeshStandardMaterial and MeshPhysicalMaterial');
     if (!PARTS.includes(part)) throw new TypeError(`part is '${part}', not one of ${PARTS.join(', ')}`);
-    const choice = { defines: this.defines, moving, part };
+    const choice = { defines: this.defines, moving, part: this.#partOf(part) };
     material.onBeforeCompile = (shader) => patchShader(shader, this.uniforms, choice);
     material.onBeforeRender = (renderer) => renderer.getCurrentViewport(this.uniforms.olx_viewport.value);
-    material.customProgramCacheKey = () => `octalux ${this.defines} ${moving} ${part}`;
+    material.customProgramCacheKey = () => `octalux ${this.defines} ${moving} ${choice.part}`;
     if (part === 'glossy') Object.assign(material, ADDED);
     material.needsUpdate = true;
     return material;
+  }
+
+  // A field without data for reflections gives diffuse light alone.
+  #partOf(part) {
+    if (this.info.glossy) return part;
+    if (part === 'glossy') throw new TypeError('this field has no data for glossy light (export web --no-glossy)');
+    return 'diffuse';
   }
 
   lightAll(root, options) {

@@ -28,7 +28,7 @@ uniform float olx_left;        // pixels left of this column have none
 uniform vec4 olx_viewport;     // where the picture begins, and its width and height: pixels
 uniform uint olx_sample_index; // of the frame: another draw of them
 uniform bool olx_emitters;     // rays find lamps, in place of highlights of lights
-uniform int olx_layer;         // what is shown: 0 the picture, 1 diffuse, 2 glossy indirect light alone
+uniform int olx_layer;         // what is shown: 0 the picture, 1 diffuse, 2 glossy indirect light alone, 3 rays
 uniform mat4 projectionMatrix;
 vec3 olx_shown = vec3(0.0);
 
@@ -65,7 +65,7 @@ const FRAGMENT = `
   olx_bsdf olx_lobes = olx_bsdf_make(diffuseColor.rgb, metalnessFactor, roughnessFactor, olx_specular);
   olx_sample_settings olx_settings = olx_sample_settings_default();
   olx_settings.emitters = olx_emitters;
-  vec3 olx_diffuse = vec3(0.0), olx_glossy_light = vec3(0.0);
+  vec3 olx_diffuse = vec3(0.0), olx_glossy_light = vec3(0.0), olx_rays = vec3(0.0); // traced, unresolved
   #ifdef OLX_DIFFUSE
   olx_diffuse = olx_bsdf_diffuse(olx_lobes, olx_dot(olx_normal, olx_view)) * (1.0 / OLX_PI);
   #ifdef OLX_MOVING
@@ -84,6 +84,7 @@ const FRAGMENT = `
     olx_glossy_light = olx_glossy(olx_settings, olx_position, olx_normal, olx_view, roughnessFactor, olx_pixel_random(),
                                   olx_weight, olx_half_cosine, olx_hit);
     olx_glossy_light *= olx_fresnel(olx_lobes, olx_half_cosine) * olx_weight;
+    olx_rays = vec3(olx_weight > 0.0, olx_hit.status == OLX_TRACE_UNKNOWN, 0.0);
   }
   #endif
   bool olx_lit = gl_FragCoord.x >= olx_left;
@@ -92,7 +93,7 @@ const FRAGMENT = `
     reflectedLight.indirectSpecular += olx_glossy_light * olx_strength.y;
   }
   if (olx_lit && olx_emitters) reflectedLight.directSpecular *= 1.0 - olx_strength.y;
-  olx_shown = olx_layer == 1 ? olx_diffuse : olx_glossy_light;
+  olx_shown = olx_layer == 1 ? olx_diffuse : olx_layer == 3 ? olx_rays : olx_glossy_light;
   #ifndef OLX_DIFFUSE
   if (olx_layer == 0) olx_shown = olx_lit ? olx_glossy_light * olx_strength.y : vec3(0.0);
   #endif

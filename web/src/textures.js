@@ -77,6 +77,7 @@ function blockMaps(data, maps, n, side, { format, type, bytes }) {
 
 async function surfaceMaps(field, kind, side, renderer) {
   const { probes, radianceSize: n, compressed } = field.info, data = field.surfaces[kind];
+  if (data.length === 0) return texelMaps(new Uint8Array(4), 1, 1, 1, DECODED.base); // nothing reads it without reflections
   if (!compressed) return texelMaps(data, probes, n + 2, side, TEXELS[kind]);
   const { extension } = BLOCKS[kind];
   if (renderer.extensions.has(extension)) return blockMaps(data, probes, n, side, BLOCKS[kind]);

@@ -6,6 +6,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
+import { gunzipSync } from 'node:zlib';
 import { FieldError, parseField } from '../dist/field_file.js';
 import { decodeBlocks } from '../dist/decode_blocks.js';
 import { layOutWords, mapsASide, tile } from '../dist/textures.js';
@@ -80,6 +81,19 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     same(first.volume, field.volume.cells);
     assert.equal(first.volumeLight, first.volume + field.volume.cells.length);
     assert.equal(words[0], (field.least[0] | (field.least[1] << 16)) >>> 0);
+  });
+
+  test('keeps what diffuse light needs when it is exported without reflections', () => {
+    for (const path of [blocks, texels]) {
+      const page = join(folder, 'page');
+      run('export', 'web', 'builtin:cornell-glossy', '--field', path, '-o', page, '--no-glossy');
+      const whole = parseField(bufferOf(path)), part = parseField(new Uint8Array(gunzipSync(readFileSync(join(page, 'field.olx.gz')))).buffer);
+      assert.deepEqual([whole.info.glossy, part.info.glossy], [true, false]);
+      for (const name of ['positions', 'flags', 'geometry', 'planes', 'normals', 'distances', 'bricks', 'volume']) assert.deepEqual(part[name], whole[name]);
+      assert.deepEqual(part.surfaces.indirect, whole.surfaces.indirect);
+      assert.deepEqual(['base', 'specular', 'direct'].map((name) => part.surfaces[name].length), [0, 0, 0]);
+      assert.ok(part.info.fileBytes < 0.75 * whole.info.fileBytes, `${part.info.fileBytes} of ${whole.info.fileBytes} bytes`);
+    }
   });
 
   test('is refused once it is damaged, by a message that says where', () => {

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# The exported page of the living room on probes of 256^2 in headless Chromium: what it loads, with reflections and
+# without, that its light agrees with that of `octalux render`, and that rays find what they look for. Then the examples
+# of the npm package.
+set -euo pipefail
+source_dir=${OCTALUX_SOURCE_DIR:?}
+command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null ||
+  { echo "skipped: no Chromium (scripts/install-packages.sh full)"; exit 77; }
+[ -e "$(dirname "$OCTALUX")/web/index.html" ] || { echo "skipped: this build has no page of export web"; exit 77; }
+export OCTALUX_SCENES=${OCTALUX_SCENES:-$source_dir/../shared/scenes}
+room=$source_dir/scenes/living-room.json
+"$OCTALUX" scene "$room" >/dev/null 2>&1 || { echo "skipped: no living room in $OCTALUX_SCENES"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+drive() { python3 "$source_dir/tests/drive_web.py" "$@"; }
+
+"$OCTALUX" bake "$room" -o "$work/field.olx" --radiance-size 256 --noise 0.1 --quiet
+"$OCTALUX" render "$room" --field "$work/field.olx" --size 640x360 --spp 1 --glossy-samples 4 --centered -o "$work/render.exr" --quiet
+"$OCTALUX" export web "$room" --field "$work/field.olx" -o "$work/room" --quiet
+[ "$(stat -c %s "$work/room/scene.glb.gz")" -le 5000000 ] || { echo "FAILED: photographs are not JPEG" >&2; exit 1; }
+drive "$work/room" "$work" --megabytes 25 --processor 60
+for layer in indirect_diffuse indirect_glossy; do
+  "$OCTALUX" compare "$work/page.exr" "$work/render.exr" --layer "$layer" --json >"$work/compare.json"
+  python3 -c '
+import json, sys
+error = json.load(open(sys.argv[1]))["layers"][sys.argv[2]]["relative_mse"]
+print(sys.argv[2], "relative MSE", error)
+sys.exit(not error <= 2e-3)' "$work/compare.json" "$layer"
+done
+
+# Diffuse light alone does with maps of half the size.
+"$OCTALUX" bake "$room" -o "$work/half.olx" --radiance-size 128 --noise 0.1 --quiet
+"$OCTALUX" export web "$room" --field "$work/half.olx" --no-glossy -o "$work/diffuse" --quiet
+drive "$work/diffuse" "$work" --no-glossy --megabytes 10 --processor 60
+
+# The examples of the package light a room, without a message on the console.
+mkdir "$work/app" "$work/app/node_modules"
+cp "$source_dir"/web/examples/*.html "$work/app"
+packages=$(dirname "$OCTALUX")/web-packages/node_modules
+ln -s "$packages/three" "$work/app/node_modules/three"
+mkdir "$work/app/node_modules/octalux"
+node "$source_dir/web/build.mjs" "$work/app/node_modules/octalux/dist"
+"$OCTALUX" bake builtin:cornell-glossy -o "$work/app/room.olx" --radiance-size 64 --noise 0.2 --quiet
+"$OCTALUX" export web builtin:cornell-glossy --field "$work/app/room.olx" -o "$work/box" --quiet
+gzip -dc "$work/box/scene.glb.gz" >"$work/app/room.glb"
+python3 "$source_dir/tests/drive_examples.py" "$work/app" "$work"

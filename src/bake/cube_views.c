@@ -19,7 +19,7 @@ enum {
 // A quarter of the circle spans `size` texels of an octahedral map and `side` texels of a face; each texel is sampled
 // `samples` times along its side.
 static uint32_t side_for(const olx_bake_settings *s, uint32_t size) {
-  const uint32_t wanted = size * s->samples / 2, side = wanted < LEAST_SIDE ? LEAST_SIDE : wanted;
+  const uint32_t wanted = size * s->samples, side = wanted < LEAST_SIDE ? LEAST_SIDE : wanted;
   return (side > MOST_SIDE ? MOST_SIDE : side) + RING;
 }
 

@@ -282,12 +282,12 @@ static void parts_rasterise_their_own_probes(void **unused) {
   olx_cube_views_free(&views);
   // Maps that are larger than the memory of one call are rasterised one by one.
   settings.work.parts = 0;
-  assert_int_equal(olx_cube_views_create(&settings, 1024, &views), OLX_OK);
+  assert_int_equal(olx_cube_views_create(&settings, 2048, &views), OLX_OK);
   assert_int_equal(views.capacity, 1);
-  assert_true(olx_cube_views_bytes(&settings, 1024) >= (uint64_t)6 * views.side * views.side * 4);
+  assert_true(olx_cube_views_bytes(&settings, 2048) >= (uint64_t)6 * views.side * views.side * 4);
   olx_cube_views_free(&views);
   settings.raster = NULL;
-  assert_int_equal(olx_cube_views_bytes(&settings, 1024), 0);
+  assert_int_equal(olx_cube_views_bytes(&settings, 2048), 0);
 }
 
 int main(void) {

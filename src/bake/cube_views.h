@@ -1,9 +1,11 @@
 // What light field probes see, from rasterised cube maps instead of rays: each texel of a cube holds the triangle that
 // is nearest in its direction, and a ray from the probe is intersected with the triangles of the texels around it.
 //
-// A hit is exact: of the triangles in the 3 x 3 texels around the ray, the nearest that the ray really meets. So edges
-// of surfaces lie where they do for cast rays, not at texels' edges, and only what is narrower than a texel can be
-// missed. A ray that meets none of these triangles is cast, unless all nine texels are sky.
+// A hit is exact: of the triangles in the 3 x 3 texels around the ray, the nearest that the ray really meets. Where
+// that is not certain, the ray is cast: where it meets none of these triangles, unless all nine texels are sky, and
+// where one of them lies in front of the hit, is not joined to its triangle, and so may end at a silhouette with
+// triangles that are narrower than a texel. So nothing bleeds across silhouettes, and only what no texel around the ray
+// shows can be missed.
 #ifndef OLX_BAKE_CUBE_VIEWS_H
 #define OLX_BAKE_CUBE_VIEWS_H
 

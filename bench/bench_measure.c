@@ -99,6 +99,7 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   settings.radiance_size = probes->texels;
   settings.threads = bake->threads;
   settings.seed = bake->seed;
+  settings.raster = bake->raster;
   if (bake->noise > 0.0f) settings.noise = bake->noise;
   settings.select_mask = bake->plain ? 0 : probes->grid[0] ? 1u << OLX_SELECT_CAGE : FREE_SELECTORS;
   olx_vec3 *positions = NULL;
@@ -117,7 +118,12 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   olx_bake_stats stats = {.seconds = 0.0};
   if (result == OLX_OK) result = olx_bake(scene, &settings, made->path, progress, &stats);
   made->bake_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
-  if (stats.seconds > 0.0) made->classic_seconds = made->bake_seconds * stats.classic_seconds / stats.seconds;
+  if (stats.seconds > 0.0) {
+    const double share = made->bake_seconds / stats.seconds;
+    made->classic_seconds = share * stats.classic_seconds;
+    made->capture_seconds = share * stats.capture_seconds;
+    made->raster_seconds = share * stats.raster_seconds;
+  }
   free(positions);
   if (result == OLX_OK) result = olx_field_open(made->path, &made->field);
   if (result == OLX_OK) made->info = olx_field_describe(made->field);

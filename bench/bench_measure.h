@@ -40,20 +40,22 @@ typedef struct bench_bake {
   uint32_t irradiance_size, light_samples, bounces, threads;
   olx_bounce_gather gather;
   olx_irradiance_form form;
-  uint32_t classic_size; // texels along a side of classic maps (the baseline); 0: none
-  float noise;           // noise bound of the solved light; 0: the default
-  bool rough;            // place with few samples, for --quick
-  bool plain;            // only the selectors that a bake always builds
-  bool no_probe_light;   // without probe light, as by default
-  uint32_t seed;         // seed of random numbers
+  uint32_t classic_size;         // texels along a side of classic maps (the baseline); 0: none
+  float noise;                   // noise bound of the solved light; 0: the default
+  bool rough;                    // place with few samples, for --quick
+  bool plain;                    // only the selectors that a bake always builds
+  bool no_probe_light;           // without probe light, as by default
+  uint32_t seed;                 // seed of random numbers
+  const olx_bake_raster *raster; // what rasterises the probes' surroundings; NULL: rays
 } bench_bake;
 
 typedef struct bench_field {
   olx_field *field;
   olx_field_info info;
-  double place_seconds, bake_seconds; // processor time in seconds
-  double classic_seconds;             // of bake_seconds, the share of classic maps
-  double coverage;                    // coverage of placed probes (olx_place_report); 0 for a grid
+  double place_seconds, bake_seconds;     // processor time in seconds
+  double classic_seconds;                 // of bake_seconds, the share of classic maps
+  double capture_seconds, raster_seconds; // of bake_seconds, the share of what probes see, and of its cube maps
+  double coverage;                        // coverage of placed probes (olx_place_report); 0 for a grid
   char path[4096];
 } bench_field;
 

@@ -1,5 +1,6 @@
 // octalux bake: bakes a scene into a field file, or prints the cost of the bake without running it.
 #include "bake_budget.h"
+#include "bake_device.h"
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"
@@ -47,6 +48,11 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   if (settings->classic) add_number(object, "classic_seconds", stats->classic_seconds);
   if (settings->relight) add_number(object, "relight_seconds", stats->relight_seconds);
   add_number(object, "embree_seconds", stats->embree_seconds);
+  if (settings->raster) {
+    cJSON_AddStringToObject(object, "device", settings->raster->name);
+    add_number(object, "raster_seconds", stats->raster_seconds);
+    add_number(object, "raster_rays", (double)stats->raster_rays);
+  }
   if (settings->bounce_gather == OLX_GATHER_TRACED) add_number(object, "unseen", stats->unseen);
   add_number(object, "peak_memory_bytes", (double)stats->peak_memory_bytes);
   add_number(object, "file_bytes", (double)stats->file_bytes);
@@ -80,6 +86,11 @@ static void print_bake(const char *path, const olx_bake_settings *settings, cons
   }
   if (settings->classic) printf("  classic  %.2f of these seconds\n", stats->classic_seconds);
   if (settings->relight) printf("  relight  %.2f of these seconds\n", stats->relight_seconds);
+  if (settings->raster) {
+    printf("  device   %s: %.2f of these seconds to rasterise, and %.3f %% of the rays from probes cast\n",
+           settings->raster->name, stats->raster_seconds,
+           100.0 * (double)stats->raster_rays / (double)(stats->primary_rays ? stats->primary_rays : 1));
+  }
   if (stats->embree_seconds > 0.0) {
     printf("  Embree   %.2f seconds for the rays from probes alone: the bake takes %.2f times that\n",
            stats->embree_seconds, stats->seconds / stats->embree_seconds);
@@ -151,7 +162,11 @@ typedef struct bake_command {
   bool dry_run, json;
   double memory_mb; // the most memory, 10^6 bytes; 0: no limit
   work_line units;
+  uint32_t device;
+  bool validate;
 } bake_command;
+
+enum { DEVICE_CPU, DEVICE_VULKAN };
 
 // Prints sizes and time of a bake without running it. The exit code and the last line report a bake that does not fit.
 static int plan_bake(const olx_scene *scene, const bake_command *c, const char *path) {
@@ -243,6 +258,7 @@ static int check_given(const command_line *line, const bake_command *c) {
   if (s->relight && s->light == OLX_LIGHT_REFERENCE) {
     return usage_error("bake", "--relight needs the light of the scene, not --light reference");
   }
+  if (c->validate && c->device != DEVICE_VULKAN) return usage_error("bake", "--validate goes with --device vulkan");
   if (c->given.probes && was_given(line, "--grid")) {
     return usage_error("bake", "--grid and --probes exclude each other");
   }
@@ -251,10 +267,14 @@ static int check_given(const command_line *line, const bake_command *c) {
 
 // Runs or estimates the bake that the options describe.
 static int run_bake(const olx_scene *scene, bake_command *c) {
-  const int code = resolve_work_options(scene, &c->work, c->output, &c->given.settings, &c->units);
+  bake_device *device = NULL;
+  int code = resolve_work_options(scene, &c->work, c->output, &c->given.settings, &c->units);
   const char *path = c->output ? c->output : c->given.settings.work.folder;
-  if (code != EXIT_DONE) return code;
-  return c->dry_run ? plan_bake(scene, c, path) : bake_scene(scene, c, path);
+  if (code == EXIT_DONE && c->device == DEVICE_VULKAN)
+    code = open_bake_device(scene, c->validate, &c->given.settings, &device);
+  if (code == EXIT_DONE) code = c->dry_run ? plan_bake(scene, c, path) : bake_scene(scene, c, path);
+  close_bake_device(device);
+  return code;
 }
 
 static const option output_option[] = {
@@ -263,6 +283,8 @@ static const option output_option[] = {
 };
 
 static const option run_options[] = {
+    {"--device", OPTION_CHOICE, offsetof(bake_command, device), "cpu|vulkan",
+     "how light field probes look around: by rays, or on a Vulkan device by cube maps; default cpu"},
     {"--budget", OPTION_DOUBLE, offsetof(bake_command, budget_mb), "MB",
      "place probes, and take the largest maps whose field fits, in 10^6 bytes; keeps --probes, --grid, "
      "--radiance-size"},
@@ -280,8 +302,12 @@ static const option instructions_option[] = {
      "instructions that Embree uses, for the same bytes on unlike machines; default best"},
     {0}};
 
-static const option measure_option[] = {
-    {"--measure-embree", OPTION_FLAG, 0, NULL, "also time Embree alone on the rays from probes"}, {0}};
+static const option measure_options[] = {{"--measure-embree", OPTION_FLAG,
+                                          offsetof(bake_command, given.settings.measure_embree), NULL,
+                                          "also time Embree alone on the rays from probes"},
+                                         {"--validate", OPTION_FLAG, offsetof(bake_command, validate), NULL,
+                                          "vulkan: check every call with the validation layers"},
+                                         {0}};
 
 // Makes the C library return every released block of memory to the system at once: by default glibc keeps more of them
 // the larger they get. Other C libraries, such as musl, have no such setting.
@@ -307,7 +333,7 @@ int command_bake(int argc, char **argv) {
                                   {instructions_option, &c.loading.instructions},
                                   {scene_loading_options, &c.loading, "Models"},
                                   {bake_research_options, &c.given, RESEARCH},
-                                  {measure_option, &c.given.settings.measure_embree}}};
+                                  {measure_options, &c}}};
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   code = check_given(&line, &c);

@@ -24,7 +24,12 @@ bool gpu_buffer_create(gpu_device *d, const char *what, VkDeviceSize bytes, VkBu
     VkMemoryRequirements needed;
     d->GetBufferMemoryRequirements(d->host.device, b->buffer, &needed);
     const VkMemoryPropertyFlags shared = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    result = allocate(d, &needed, host ? shared : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, &b->memory);
+    // Memory without a cache is slow to read, so that what the device writes goes to cached memory where there is some.
+    result = host && (usage & VK_BUFFER_USAGE_TRANSFER_DST_BIT)
+                 ? allocate(d, &needed, shared | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, &b->memory)
+                 : VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    if (result != VK_SUCCESS)
+      result = allocate(d, &needed, host ? shared : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, &b->memory);
   }
   if (result == VK_SUCCESS) result = d->BindBufferMemory(d->host.device, b->buffer, b->memory, 0);
   if (result == VK_SUCCESS && host) {

@@ -3,9 +3,9 @@
 
 Folders under src form a ladder; a file may include its own folder and those before it:
 core < block < field < select < trace < shade < relight < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
-Public headers stand on the same ladder. cli, viewer, host, bench and examples see public headers only; cli, viewer
-and bench those of host as well, viewer and bench what programs share of cli, bench/gpu the viewer's rasteriser, and
-bench/studies what is inside the libraries. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
+Public headers stand on the same ladder. cli, viewer, host, capture, bench and examples see public headers only; cli,
+viewer, capture and bench those of host as well, cli and bench those of capture, viewer and bench what programs share
+of cli, bench/gpu the viewer's rasteriser, and bench/studies what is inside the libraries. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
 threads and xxHash, which is inlined. Files, a file being a .c and a .h of one name, do not include each other in
 circles. Every .c opens with a comment that says in a sentence what it is for. Links in Markdown files lead to files of
 the tree, and to headings that are there.
@@ -118,8 +118,10 @@ def check_client(root, name, angled, target):
     if angled:
         return None
     folders = [(root / name).parent, root / name.split("/")[0]]  # the folders of the file itself and of its client
-    if name.startswith(("cli/", "viewer/", "bench/")):
+    if name.startswith(("cli/", "viewer/", "capture/", "bench/")):
         folders.append(root / "host")
+    if name.startswith(("cli/", "bench/")):
+        folders.append(root / "capture")
     for client, other in (("bench/gpu/", "viewer"), ("bench/studies/", "src")):
         if name.startswith(client):
             folders.append(root / other)
@@ -143,7 +145,7 @@ def check_includes(root, names):
                 fault = check_source(name, angled, target)
             elif top == "include":
                 fault = check_public(name, angled, target)
-            elif top in ("host", "cli", "viewer", "bench", "examples"):
+            elif top in ("host", "capture", "cli", "viewer", "bench", "examples"):
                 fault = check_client(root, name, angled, target)
             if fault:
                 yield f"{name}:{number}: {fault}"
@@ -171,7 +173,7 @@ def check_openings(root, names):
 def find_included(names, name, target):
     """The file of the tree that a quoted include means, or None."""
     here, top = pathlib.PurePosixPath(name).parent, name.split("/")[0]
-    for folder in (here, top, "src", "host", "cli", "viewer"):
+    for folder in (here, top, "src", "host", "capture", "cli", "viewer"):
         found = str(pathlib.PurePosixPath(folder, target))
         if found in names:
             return found

@@ -1,4 +1,5 @@
 // Repeats Table 6.1 of the dissertation: the memory and the time of light field probes and of the baseline.
+#include "capture_ways.h"
 #include "experiment_list.h"
 
 #include <math.h>
@@ -113,6 +114,7 @@ olx_result run_dissertation_table1(bench *b) {
   bench_field made;
   result = bench_bake_field(b, scene, &probes, &bake, &made);
   if (result == OLX_OK) result = compare_costs(b, scene, &made);
+  if (result == OLX_OK) result = compare_capture(b, scene, &probes, &bake, &made);
   bench_field_close(&made);
   return result;
 }

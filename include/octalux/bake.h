@@ -50,6 +50,23 @@ typedef struct olx_bake_work {
   void *user;
 } olx_bake_work;
 
+// What rasterises cube maps around light field probes, so that a bake need not cast rays from them (docs/baking.md,
+// "Rasterised capture"; McGuire et al. 2017, section 6). The baker brings none, because it opens no device: capture/
+// has one for Vulkan devices.
+typedef struct olx_bake_raster {
+  // Names the device and its driver in one line, on which the field's bytes depend; a work folder belongs to one of them.
+  const char *name;
+  // Finds the triangles that `count` probes see. triangles[((p * 6 + face) * side + row) * side + column] becomes the
+  // index of the triangle that is nearest along the middle of a texel, or UINT32_MAX for the sky. Masked-out parts of
+  // surfaces are absent. Face 2 a looks along +axis a, face 2 a + 1 along -axis a, for a = 0, 1, 2 (x, y, z). In a
+  // direction d, with m = |d[a]|, the coordinates d[(a + 1) mod 3] / m and d[(a + 2) mod 3] / m increase along columns
+  // and along rows. They are -1 and 1 at the edges of the inner (side - 2)^2 texels: the outermost ring of texels lies
+  // beyond the face. Called on the thread that bakes, for at least 1 probe; positions are in metres. Returns NULL, or
+  // a message of what failed, valid until the next call.
+  const char *(*look)(void *user, const olx_vec3 *positions, uint32_t count, uint32_t side, uint32_t *triangles);
+  void *user; // passed to `look`
+} olx_bake_raster;
+
 typedef struct olx_bake_settings {
   olx_grid grid;          // grid of light field probes; olx_bake_settings_default sets it to the scene's grid
   const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
@@ -86,6 +103,9 @@ typedef struct olx_bake_settings {
   uint32_t seed;              // of the random numbers; a second seed gives an idea of a bake's noise; default 0
   uint32_t threads;           // 0: as many as the machine has; the result does not depend on it
   bool measure_embree;        // also time Embree alone on the primary rays, for stats.embree_seconds; default false
+  // Finds what light field probes see, in place of primary rays; NULL, the default: rays. The caller's. A failure of it
+  // ends the bake with OLX_ERROR_GPU.
+  const olx_bake_raster *raster;
   // The most memory of the whole process while it bakes, in bytes; 0, the default: no limit. Below what a bake takes
   // without a limit, links between surfels are kept in files without names, beside the output or a part's work folder,
   // and fewer threads work; the field's bytes are the same. A limit below olx_bake_memory.least_bytes is refused.
@@ -125,6 +145,8 @@ typedef struct olx_bake_stats {
   double classic_seconds; // of `seconds`, for classic maps
   double relight_seconds; // of `seconds`, for the data for relighting
   double embree_seconds;  // of the same primary rays with ray casting alone; 0 unless measured
+  double raster_seconds;  // of capture_seconds, for rasterising cube maps; 0 without a raster
+  uint64_t raster_rays;   // primary rays that were cast although there was a raster
   uint64_t peak_memory_bytes;
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;

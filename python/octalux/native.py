@@ -223,7 +223,7 @@ class BakeSettings(Struct):
                 ("noise", c_float), ("reference_paths", c_uint32), ("volume_cells", c_uint32), ("classic", c_bool),
                 ("classic_size", c_uint32), ("classic_cube_size", c_uint32), ("classic_sharpness", c_uint32),
                 ("relight", c_bool), ("fit", c_bool), ("seed", c_uint32), ("threads", c_uint32),
-                ("measure_embree", c_bool), ("memory_limit_bytes", c_uint64), ("work", BakeWork)]
+                ("measure_embree", c_bool), ("raster", c_void_p), ("memory_limit_bytes", c_uint64), ("work", BakeWork)]
 
 
 class BakeStats(Struct):
@@ -232,7 +232,8 @@ class BakeStats(Struct):
                 ("noise", c_double), ("light_bytes", c_uint64), ("volume_probes", c_uint32),
                 ("volume_cells", c_uint32), ("volume_bytes", c_uint64), ("volume_unserved", c_double),
                 ("volume_seconds", c_double), ("write_seconds", c_double), ("classic_seconds", c_double),
-                ("relight_seconds", c_double), ("embree_seconds", c_double), ("peak_memory_bytes", c_uint64),
+                ("relight_seconds", c_double), ("embree_seconds", c_double),
+                ("raster_seconds", c_double), ("raster_rays", c_uint64), ("peak_memory_bytes", c_uint64),
                 ("file_bytes", c_uint64), ("buried", c_uint32), ("irradiance_buried", c_uint32), ("unseen", c_double)]
 
 

@@ -298,6 +298,8 @@ olx_result olx_bake_finish(olx_bake_run *b, olx_result result, double start) {
     olx_field_writer_discard(b->writer);
   }
   olx_selectors_free(&b->selectors);
+  b->stats.raster_seconds = b->capture.cubes.seconds;
+  b->stats.raster_rays = atomic_load(&b->capture.recast);
   olx_capture_free(&b->capture);
   olx_surface_capture_free(&b->surfaces);
   olx_scene_light_free(b->light);

@@ -10,6 +10,7 @@
 #include <octalux/limits.h>
 
 #include <math.h>
+#include <string.h>
 
 enum { CHEAP_PROBES = 64 }; // this many irradiance probes or fewer cost too little to economize on
 
@@ -127,7 +128,13 @@ static olx_result check_probe_light(const olx_bake_settings *settings) {
   return check_range(settings->bounce_gather, OLX_GATHER_SOLVED, OLX_GATHER_TRACED, "way to gather bounces");
 }
 
+static olx_result check_raster(const olx_bake_raster *raster) {
+  if (!raster || (raster->name && *raster->name && raster->look && !strpbrk(raster->name, "\r\n"))) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "bake: a raster without a name of one line, or without its function");
+}
+
 olx_result olx_bake_check_settings(const olx_bake_settings *settings) {
+  OLX_TRY(check_raster(settings->raster));
   OLX_TRY(check_probes(settings));
   OLX_TRY(check_select(settings));
   OLX_TRY(check_size(settings->radiance_size, OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST, "radiance size"));

@@ -23,7 +23,7 @@ static uint64_t memory_of(const olx_bake_run *b, const olx_field_layout *layout)
                    threads * sizeof(olx_shade_scratch);
   if (b->context.probes.irradiance.count)
     bytes += olx_gather_bytes(&b->gather, s->irradiance_size, s->bounces, olx_bake_is_solved(s), s->fit);
-  bytes += olx_capture_bytes(s->radiance_size);
+  bytes += olx_capture_bytes(s->radiance_size) + olx_cube_views_bytes(s, s->radiance_size);
   bytes += layout->shapes[OLX_CHUNK_RADIANCE].record_bytes + layout->shapes[OLX_CHUNK_LEAST].record_bytes +
            layout->shapes[OLX_CHUNK_GREATEST].record_bytes; // the writer's map and pyramid
   bytes += olx_surface_capture_bytes(&b->surfaces, s->light == OLX_LIGHT_CACHE);

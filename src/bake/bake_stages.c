@@ -108,6 +108,7 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
   if (!b->joined) return;
   olx_joined_bake *joined = b->joined;
   joined->settings = record->settings;
+  joined->settings.raster = NULL;
   joined->settings.work = (olx_bake_work){0};
   joined->settings.threads = 0;
   joined->settings.memory_limit_bytes = 0;

@@ -48,8 +48,19 @@ static void store_geometry(const olx_capture *c, uint32_t texel, const olx_ray_h
   c->distance[texel] = (uint16_t)(olx_half_pack(hit->t / c->context->distance_scale) | mark);
 }
 
+// Finds what rays from the probe hit: in its rasterised cube where there is one, or else by casting them.
+static void find_hits(olx_capture *c, const olx_ray *rays, uint32_t count, olx_ray_hit *hits) {
+  const olx_scene *scene = c->context->scene;
+  if (!c->cubes.raster) {
+    olx_bvh_intersect_many(scene->bvh, rays, count, true, hits);
+    return;
+  }
+  const uint32_t cast = olx_cube_views_intersect(&c->cubes, scene, c->probe, rays, count, hits);
+  if (cast) atomic_fetch_add_explicit(&c->recast, cast, memory_order_relaxed);
+}
+
 static void capture_row(void *user, uint32_t y) {
-  const olx_capture *c = user;
+  olx_capture *c = user;
   const uint32_t packet = c->size < PACKET ? c->size : PACKET;
   olx_ray rays[PACKET];
   olx_ray_hit hits[PACKET];
@@ -57,7 +68,7 @@ static void capture_row(void *user, uint32_t y) {
     for (uint32_t i = 0; i < packet; i++) {
       rays[i] = (olx_ray){c->position, olx_texel_direction(first + i, y, c->size), 0.0f, INFINITY};
     }
-    olx_bvh_intersect_many(c->context->scene->bvh, rays, packet, true, hits);
+    find_hits(c, rays, packet, hits);
     for (uint32_t i = 0; i < packet; i++) store_geometry(c, y * c->size + first + i, &hits[i], rays[i].direction);
   }
 }
@@ -66,6 +77,7 @@ olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) 
   c->probe = probe;
   c->position = position;
   c->rays += (uint64_t)c->size * c->size;
+  OLX_TRY(olx_cube_views_look(&c->cubes, c->context, probe));
   return olx_bake_for(c->context, c->size, capture_row, c, 0);
 }
 
@@ -87,10 +99,10 @@ static uint32_t make_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_r
   return count;
 }
 
-uint32_t olx_capture_cast_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
+uint32_t olx_capture_cast_samples(olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
                                   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]) {
   const uint32_t count = make_samples(c, x, y, rays);
-  olx_bvh_intersect_many(c->context->scene->bvh, rays, count, true, hits);
+  find_hits(c, rays, count, hits);
   return count;
 }
 
@@ -127,7 +139,8 @@ olx_result olx_capture_create(olx_capture *c) {
   c->distance = olx_allocate(texels, sizeof *c->distance);
   c->hits = olx_allocate(texels, sizeof *c->hits);
   c->row_seconds = olx_allocate(c->size, sizeof *c->row_seconds);
-  if (c->normal && c->distance && c->hits && c->row_seconds) return OLX_OK;
+  if (c->normal && c->distance && c->hits && c->row_seconds)
+    return olx_cube_views_create(c->context->settings, c->size, &c->cubes);
   olx_capture_free(c);
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for maps of %u x %u texels", c->size, c->size);
 }
@@ -137,6 +150,7 @@ void olx_capture_free(olx_capture *c) {
   olx_release(c->distance);
   olx_release(c->hits);
   olx_release(c->row_seconds);
+  olx_cube_views_free(&c->cubes);
   c->normal = c->distance = NULL;
   c->hits = NULL;
   c->row_seconds = NULL;

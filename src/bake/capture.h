@@ -3,8 +3,11 @@
 #define OLX_BAKE_CAPTURE_H
 
 #include "bake/bake_context.h"
+#include "bake/cube_views.h"
 #include "block/geometry_encode.h"
 #include "scene/surface.h"
+
+#include <stdatomic.h>
 
 enum {
   OLX_CAPTURE_CHUNK = 8,     // texels whose samples are cast together; divides every map size
@@ -22,11 +25,13 @@ typedef struct olx_capture {
   olx_ray_hit *hits;           // size^2 hits of rays through texel centres
   double *row_seconds;         // time of the ray caster for the samples of each row, set by olx_capture_measure
   uint64_t rays;               // cast so far
+  olx_cube_views cubes;        // what rays from the probe hit, where a raster finds that
+  atomic_uint_fast64_t recast; // rays that the cubes left to be cast
 } olx_capture;
 
 // Allocates the maps. The caller sets the fields up to `size`.
 olx_result olx_capture_create(olx_capture *capture);
-// Returns the bytes that maps of `size` texels along a side take; they need not be allocated.
+// Returns the bytes that maps of `size` texels along a side take, without cubes; they need not be allocated.
 uint64_t olx_capture_bytes(uint32_t size);
 void olx_capture_free(olx_capture *capture);
 
@@ -38,10 +43,10 @@ olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 posi
 // Returns the exact surface that the ray through a texel's centre hits; `capture` is an olx_capture.
 olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y);
 
-// Casts rays through the samples^2 subpixels of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, texel
+// Finds the hits of rays through the samples^2 subpixels of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, texel
 // by texel. Returns the number of rays.
-uint32_t olx_capture_cast_samples(const olx_capture *capture, uint32_t x, uint32_t y,
-                                  olx_ray rays[OLX_CAPTURE_MOST_RAYS], olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
+uint32_t olx_capture_cast_samples(olx_capture *capture, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
+                                  olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
 
 // Casts the rays of all samples of the probe and discards the hits, to measure the ray caster: adds its time on
 // `threads` threads to *embree_seconds.

@@ -13,7 +13,7 @@
 
 // One probe at a time: the maps hold the surfaces of the probe that was captured last.
 typedef struct olx_surface_capture {
-  const olx_capture *capture;   // of the same probe, done before
+  olx_capture *capture;         // of the same probe, done before
   const olx_scene_light *light; // NULL: indirect light is the plain reference
   olx_vec3 *irradiance;         // indirect, where `light` gives it
   float last_bounce;            // share of that light that is one bounce more than radiance holds

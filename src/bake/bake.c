@@ -243,7 +243,6 @@ uint64_t olx_bake_units(const olx_bake_run *b) {
 }
 
 olx_result olx_bake_make_plan(olx_bake_run *b) {
-  OLX_TRY(olx_surface_lights(b->context.scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(make_classic_table(b));

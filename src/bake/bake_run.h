@@ -45,8 +45,8 @@ typedef struct olx_bake_run {
   double measure_seconds; // total time spent on measuring Embree
 } olx_bake_run;
 
-// Runs the stage "plan", which precedes the first probe: buried probes, selectors, the cells of the volume and the
-// scene's lights. `make` computes them where the store has none.
+// Runs the stages "plan" and "scene", which precede the first probe: buried probes, selectors and the cells of the
+// volume, and the scene's lights. `make` computes the plan where the store has none.
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
 // Returns whether the store holds every unit of the file.
 bool olx_bake_is_stored(const olx_bake_run *run);

@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "light/light_bounces.h"
 #include "light/surfel_lookup.h"
+#include "scene/scene_parts.h"
 #include "work/unit_store.h"
 
 typedef struct olx_scene_light olx_scene_light;

@@ -150,7 +150,7 @@ static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
 }
 
 static olx_unit_stage stage_of(cast_stage *c) {
-  olx_unit_stage stage = {"cast", c->round, 0, c, cast_unit, save_cast, load_cast};
+  olx_unit_stage stage = {"cast", c->round, 0, c, cast_unit, save_cast, load_cast, OLX_PARTS_ALL};
   for (uint32_t k = 0; k < c->light->links.batch_count; k++) {
     if (c->light->rounds_of[k] == c->round) stage.count += units_of(&c->light->batches[k]);
   }
@@ -193,6 +193,10 @@ typedef struct point_stage {
   uint32_t round;
 } point_stage;
 
+// Returns the parts of the scene that the result of a step depends on: the first one is where the surfaces are that
+// probes see, and the distances between them.
+static olx_scene_parts parts_of_step(uint32_t step) { return step == 0 ? OLX_PART_GEOMETRY : OLX_PARTS_ALL; }
+
 static uint32_t first_point(const point_stage *p) { return p->round ? p->light->point_ends[p->round - 1] : 0; }
 
 static void save_points(void *user, uint32_t unit, olx_byte_writer *to) {
@@ -213,7 +217,7 @@ static olx_result load_points(void *user, uint32_t unit, olx_byte_reader *from) 
 }
 
 static olx_unit_stage points_of(point_stage *p) {
-  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
+  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points, parts_of_step(p->round)};
 }
 
 // Stores the surface points that the last exploring step added.
@@ -286,7 +290,7 @@ static olx_result load_direct(void *user, uint32_t unit, olx_byte_reader *from) 
 
 static olx_unit_stage direct_of(direct_stage *d) {
   const uint32_t units = (d->light->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
-  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct};
+  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct, OLX_PARTS_ALL};
 }
 
 static olx_result make_direct(olx_scene_light *l) {
@@ -485,8 +489,8 @@ static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) 
 // Builds the lookup, or loads it; a damaged one is rebuilt.
 olx_result olx_light_units_look_up(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
-  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup};
-  if (olx_units_have(store, stage.name, 0)) {
+  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
+  if (olx_units_have(store, &stage)) {
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
   }
@@ -589,20 +593,23 @@ static olx_result make_next(void *user, uint32_t unit) {
 }
 
 static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {
-  return (olx_unit_stage){"light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step};
+  return (olx_unit_stage){
+      "light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step, parts_of_step(step)};
 }
 
 // Returns the last stored step; 0 when there is none.
-static uint32_t last_stored(const olx_unit_store *store) {
-  uint32_t step = OLX_LIGHT_MOST_STEPS;
-  while (step > 0 && !olx_units_have(store, "light", step)) step--;
-  return step;
+static uint32_t last_stored(olx_scene_light *l) {
+  for (uint32_t step = OLX_LIGHT_MOST_STEPS; step > 0; step--) {
+    const olx_unit_stage stage = step_of(l, step);
+    if (olx_units_have(l->settings.store, &stage)) return step;
+  }
+  return 0;
 }
 
 // Loads the last stored step that is undamaged, or computes the first.
 static olx_result resume(olx_scene_light *l, uint32_t *step) {
   olx_unit_store *store = l->settings.store;
-  for (*step = last_stored(store); *step > 0; *step = last_stored(store)) {
+  for (*step = last_stored(l); *step > 0; *step = last_stored(l)) {
     const olx_unit_stage stage = step_of(l, *step);
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
@@ -617,7 +624,7 @@ static olx_result run_steps(olx_scene_light *l) {
   OLX_TRY(resume(l, &step));
   while (l->phase != OLX_LIGHT_FINISHED) {
     const olx_unit_stage next = step_of(l, ++step);
-    if (!olx_units_have(store, "light", step)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
+    if (!olx_units_have(store, &next)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
     OLX_TRY(olx_unit_once(store, &next));
   }
   return OLX_OK;

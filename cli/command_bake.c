@@ -24,6 +24,7 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "irradiance_buried", stats->irradiance_buried);
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "primary_rays", (double)stats->primary_rays);
+  if (units) add_number(object, "reused_rays", (double)stats->reused_rays);
   add_number(object, "seconds", stats->seconds);
   if (olx_bake_keeps_probe_light(settings)) add_number(object, "irradiance_seconds", stats->irradiance_seconds);
   add_number(object, "capture_seconds", stats->capture_seconds);
@@ -225,7 +226,9 @@ static int bake_scene(const olx_scene *scene, const bake_command *c, const char 
   const work_report *units = c->work.explain ? &c->units.report : NULL;
   if (c->json) return print_bake_json(settings, &stats, units);
   print_bake(path, settings, &stats);
-  if (units) print_work_report(units);
+  if (!units) return EXIT_DONE;
+  printf("  reused   %" PRIu64 " rays from before an edit of the scene\n", stats.reused_rays);
+  print_work_report(units);
   return EXIT_DONE;
 }
 

@@ -43,7 +43,8 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
   work_line *line = user;
   count_work_unit(&line->report, unit);
   if (!line->json) return;
-  fprintf(stderr, "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,\"why\":\"%s\"}\n",
+  fprintf(stderr,
+          "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,\"why\":\"%s\"}\n",
           unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds, unit->why);
 }
 
@@ -66,7 +67,8 @@ static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settin
 }
 
 static int check_given(const work_options *given, const olx_bake_settings *settings) {
-  if (given->none && (given->folder || given->part || given->fresh || given->keep || given->explain || given->limit > 0.0f)) {
+  if (given->none &&
+      (given->folder || given->part || given->fresh || given->keep || given->explain || given->limit > 0.0f)) {
     return usage_error("bake", "--no-work excludes whatever else is said of the work folder");
   }
   if (!given->part) return EXIT_DONE;

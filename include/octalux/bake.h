@@ -30,8 +30,8 @@ const char *olx_bake_light_name(olx_bake_light light);
 
 // A finished unit of work, as olx_bake_work.done receives it.
 typedef struct olx_bake_unit {
-  const char *stage;           // "plan", "scene", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
-                               // "relight", "probe"
+  const char *stage; // "plan", "scene", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
+                     // "relight", "probe"
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
@@ -136,6 +136,7 @@ typedef struct olx_bake_stats {
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
   double unseen; // OLX_GATHER_TRACED: share of rays that met a surface which no probe nearby sees; they bring no light
+  uint64_t reused_rays; // of `rays`: found in the work folder, which holds them from before an edit of the scene
 } olx_bake_stats;
 
 // The sizes of a bake, computed by the code that allocates and lays out; only for expected_bytes rays are cast, at most

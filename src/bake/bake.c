@@ -200,6 +200,7 @@ olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
   settings.store = b->store;
+  if (b->store) settings.inputs = olx_scene_hash_inputs(b->context.scene);
   settings.link_folder = b->link_folder;
   return settings;
 }
@@ -213,6 +214,7 @@ static olx_result solve_light(olx_bake_run *b) {
                                  b->context.probes.light_field.flags, b->context.probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
   b->stats.rays += report.rays;
+  b->stats.reused_rays = report.reused_rays;
   b->stats.surfels = report.surfels;
   b->stats.noise = report.noise;
   b->stats.light_bytes = report.bytes;

@@ -163,8 +163,7 @@ static olx_result load_scene(void *user, uint32_t unit, olx_byte_reader *from) {
 
 olx_result olx_bake_plan(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   plan_stage p = {b, make};
-  const olx_unit_stage plan = {
-      "plan", 0, 1, &p, make_plan, save_plan, load_plan, OLX_PART_GEOMETRY | OLX_PART_VIEWS};
+  const olx_unit_stage plan = {"plan", 0, 1, &p, make_plan, save_plan, load_plan, OLX_PART_GEOMETRY | OLX_PART_VIEWS};
   const olx_unit_stage scene = {"scene", 0, 1, b, make_scene, save_scene, load_scene, OLX_PARTS_ALL};
   OLX_TRY(olx_unit_once(b->store, &plan));
   return olx_unit_once(b->store, &scene);
@@ -259,7 +258,8 @@ static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *fr
 
 olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   irradiance_stage s = {.run = b, .make = make, .words = olx_gather_record_words(&b->gather)};
-  const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance, OLX_PARTS_ALL};
+  const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance,
+                                OLX_PARTS_ALL};
   if (!b->context.probes.irradiance.count) return OLX_OK;
   s.record = olx_allocate_zero(s.words, sizeof *s.record);
   if (!s.record) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
@@ -318,8 +318,8 @@ static olx_result load_classic(void *user, uint32_t probe, olx_byte_reader *from
 
 olx_result olx_bake_classic(olx_bake_run *b) {
   classic_stage c = {.run = b};
-  const olx_unit_stage stage = {"classic",    0,           b->context.probes.irradiance.count, &c, make_classic,
-                                save_classic, load_classic, OLX_PARTS_ALL};
+  const olx_unit_stage stage = {
+      "classic", 0, b->context.probes.irradiance.count, &c, make_classic, save_classic, load_classic, OLX_PARTS_ALL};
   if (!b->context.settings->classic) return OLX_OK;
   olx_task_stage(&b->context.task, "classic maps");
   b->classic.bounces = b->bounces;
@@ -517,8 +517,8 @@ static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) 
 
 olx_result olx_bake_probes(olx_bake_run *b) {
   probe_stage s = {.run = b};
-  const olx_unit_stage stage = {"probe",    0,         b->context.probes.light_field.count, &s, make_probe,
-                                save_probe, load_probe, OLX_PARTS_ALL};
+  const olx_unit_stage stage = {
+      "probe", 0, b->context.probes.light_field.count, &s, make_probe, save_probe, load_probe, OLX_PARTS_ALL};
   olx_task_stage(&b->context.task, "light field");
   const olx_result result = olx_units_make(b->store, &stage);
   olx_relight_sites_free(&s.made.sites);

@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "light/kept_rays.h"
 #include "light/light_steps.h"
 #include "light/link_batch.h"
 
@@ -20,6 +21,9 @@ typedef struct cast_stage {
   uint64_t rays;        // rays that it cast
   olx_point_list found; // its ray ends without a surfel
   bool owns_links;      // whether `part` owns its links
+  uint64_t surfels_hash;
+  olx_kept_packet *kept;  // of the latest unit
+  olx_former_rays former; // rays of the round for another scene
 } cast_stage;
 
 // A part of a batch.
@@ -51,6 +55,10 @@ static batch_part part_of(const cast_stage *c, uint32_t unit) {
   return (batch_part){0};
 }
 
+static uint32_t packets_of(const olx_link_batch *batch) {
+  return (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
+}
+
 static bool lists_unserved(uint32_t round) { return round < OLX_LIGHT_HIDDEN_ROUNDS; }
 
 static olx_result allocate_links(olx_link_batch *batch) { return olx_link_batch_allocate(batch, !batch->guide); }
@@ -59,6 +67,8 @@ static void release_part(cast_stage *c) {
   if (c->owns_links) olx_link_batch_release(&c->part);
   else olx_link_batch_rest(&c->part, 0, c->part.count);
   olx_release(c->found.points);
+  olx_release(c->kept);
+  c->kept = NULL;
   c->owns_links = false;
   c->found = (olx_point_list){0};
 }
@@ -100,7 +110,11 @@ static olx_result cast_unit(void *user, uint32_t unit) {
   olx_scene_light *l = c->light;
   const batch_part p = part_of(c, unit);
   OLX_TRY(begin_part(c, &p));
-  OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &c->rays));
+  c->kept = olx_allocate_zero((size_t)p.count * packets_of(p.batch), sizeof *c->kept);
+  if (!c->kept) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for packets of rays");
+  const olx_cast_keeping keeping = {c->kept, &c->former, &l->reused_rays};
+  OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &keeping,
+                         &c->rays));
   if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // whoever settles the round loads all of its units
   l->report.rays += c->rays;
   return append_points(&l->unserved, c->found.points, c->found.count);
@@ -110,6 +124,7 @@ static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const cast_stage *c = user;
   const size_t links = (size_t)c->part.count * c->part.rays;
+  olx_kept_rays_save(&c->part, c->kept, c->surfels_hash, &c->light->settings.inputs, to);
   olx_bytes_put(to, &c->rays, 1, sizeof c->rays);
   olx_bytes_put(to, c->part.links, links, sizeof *c->part.links);
   if (c->part.fixed) olx_bytes_put(to, c->part.fixed, links, sizeof *c->part.fixed);
@@ -142,6 +157,7 @@ static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
   const batch_part p = part_of(c, unit);
   const size_t offset = (size_t)p.first * p.batch->rays, links = (size_t)p.count * p.batch->rays;
   uint64_t rays = 0;
+  olx_kept_rays_skip(from);
   olx_bytes_copy(from, &rays, 1, sizeof rays);
   olx_bytes_copy(from, p.batch->links + offset, links, sizeof *p.batch->links);
   if (!p.batch->guide) olx_bytes_copy(from, p.batch->fixed + offset, links, sizeof *p.batch->fixed);
@@ -170,7 +186,20 @@ static olx_result cast_whole(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     if (l->rounds_of[k] != l->round) continue;
     olx_point_list *unserved = lists_unserved(l->round) ? &l->unserved : NULL;
-    OLX_TRY(olx_links_cast(&l->surfels, &l->batches[k], l->links.fixed, unserved, &l->report.rays));
+    OLX_TRY(olx_links_cast(&l->surfels, &l->batches[k], l->links.fixed, unserved, NULL, &l->report.rays));
+  }
+  return OLX_OK;
+}
+
+// Reads the rays of the round that were cast for another scene.
+static olx_result read_former(cast_stage *c, const olx_unit_stage *stage) {
+  olx_scene_light *l = c->light;
+  void *data;
+  size_t size_bytes;
+  c->surfels_hash = olx_surfels_hash(&l->surfels);
+  for (uint32_t unit = 0; olx_units_read_stale(l->settings.store, stage, unit, &data, &size_bytes); unit++) {
+    if (!data) continue;
+    OLX_TRY(olx_former_rays_add(&c->former, data, size_bytes, l->surfels.count, c->surfels_hash, &l->settings.inputs));
   }
   return OLX_OK;
 }
@@ -181,8 +210,10 @@ static olx_result cast_round(olx_scene_light *l) {
   if (!olx_unit_store_is_part(store)) OLX_TRY(make_room(l, l->round));
   if (!store) return cast_whole(l);
   const olx_unit_stage stage = stage_of(&c);
-  const olx_result result = olx_units_make(store, &stage);
+  olx_result result = read_former(&c, &stage);
+  if (result == OLX_OK) result = olx_units_make(store, &stage);
   release_part(&c);
+  olx_former_rays_free(&c.former);
   return result;
 }
 

@@ -1,20 +1,23 @@
 // Casts the rays of surfels and follows each, through specular reflections, to the surfel whose light it carries.
 #include "light/links.h"
 
+#include "core/chunk_file.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
+#include "light/kept_rays.h"
 #include "light/link_batch.h"
 #include "scene/bvh.h"
 
-enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
+enum { SURFELS_PER_JOB = 8, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 
 // What one ray brings.
 typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
+  uint64_t needs; // slots of olx_scene_inputs that it depends on
 } ray_end;
 
 typedef struct cast_job {
@@ -23,6 +26,7 @@ typedef struct cast_job {
   olx_fixed_light *fixed;
   olx_point_list *lists; // one per job, or NULL
   uint64_t *rays;        // one per job
+  olx_cast_keeping keeping;
   atomic_bool out_of_memory;
 } cast_job;
 
@@ -83,6 +87,8 @@ typedef struct way {
   olx_sampler sampler;
 } way;
 
+static const uint64_t lights_needed = UINT64_C(1) << OLX_INPUT_LIGHTS;
+
 // Adds light after `surfaces` surfaces between its emitter and the start of the path.
 static void add_light(ray_end *end, uint32_t surfaces, olx_vec3 light) {
   if (surfaces > 0) end->fixed[surfaces - 1] = olx_add(end->fixed[surfaces - 1], light);
@@ -102,6 +108,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
                           uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   w->throughput = olx_scale(w->throughput, 1.0f / share);
+  end->needs |= lights_needed;
   const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
   w->lobe = olx_lobe_ray_specular(shading, olx_sampler_next2(&w->sampler));
@@ -116,6 +123,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
 // indirect light.
 static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                          uint64_t *rays) {
+  end->needs |= lights_needed;
   const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   end->link = no_link;
@@ -136,6 +144,7 @@ static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_v
   end->link = link_to(c, surface, &w->hit, weight, w->chain, w->distance, end);
   if (is_unserved(end)) return c->lists;
   if (!(end->link.end & OLX_LINK_LIT) || !olx_link_brings_light(&end->link)) return true;
+  end->needs |= lights_needed;
   const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   return true;
@@ -147,10 +156,12 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   while (w->chain < OLX_CHAIN_MOST) {
     if (w->hit.triangle == OLX_NO_HIT) {
+      end->needs |= lights_needed;
       if (!w->lit) add_light(end, w->chain, olx_mul(w->throughput, olx_sky_found(scene, &w->lobe)));
       return;
     }
     const olx_surface surface = olx_surface_at(scene, &w->hit, w->lobe.direction);
+    end->needs |= olx_input_of_material(surface.material) | (olx_max3(surface.emission) > 0.0f ? lights_needed : 0);
     if (!w->lit) {
       add_light(end, w->chain, olx_mul(w->throughput, olx_emission_found(scene, &surface, w->origin, &w->lobe)));
     }
@@ -198,13 +209,13 @@ static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   return luminance;
 }
 
-// Casts up to PACKET rays of a surface, from index `first` on, and records what each brings.
+// Casts up to OLX_LINK_PACKET rays of a surface, from index `first` on, and records what each brings.
 static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
                         ray_end *ends, uint64_t *cast) {
-  olx_ray rays[PACKET] = {0};
-  olx_ray_hit hits[PACKET];
-  bool valid[PACKET];
-  float factors[PACKET];
+  olx_ray rays[OLX_LINK_PACKET] = {0};
+  olx_ray_hit hits[OLX_LINK_PACKET];
+  bool valid[OLX_LINK_PACKET];
+  float factors[OLX_LINK_PACKET];
   const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN);
   for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
   olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
@@ -251,24 +262,89 @@ static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch,
                     .seed = seed_of(s, surfel)};
 }
 
+// Where the results of a packet go.
+typedef struct packet_place {
+  uint32_t surfel, job;
+  uint32_t count; // rays
+  size_t at;      // first link in the batch
+  size_t kept_at; // in keeping.kept
+} packet_place;
+
+// Returns a hash of everything that the rays of a surfel are drawn from, but for the surfel itself.
+static uint64_t check_of(const cast_job *c, const ray_plan *plan) {
+  if (!c->keeping.kept) return 0;
+  const uint64_t numbers[] = {plan->pool ? olx_content_hash(plan->pool, sizeof *plan->pool) : 0,
+                              (uint64_t)plan->seed << 1 | (c->lists != NULL)};
+  return olx_content_hash(numbers, sizeof numbers);
+}
+
+static uint64_t check_of_packet(uint64_t check, uint32_t first, uint32_t count) {
+  const uint64_t numbers[] = {check, (uint64_t)first << 32 | count};
+  return olx_content_hash(numbers, sizeof numbers);
+}
+
+static void add_sums(olx_fixed_light *to, const olx_fixed_light *sums) {
+  for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) to->sum[i] = olx_add(to->sum[i], sums->sum[i]);
+  to->square += sums->square;
+}
+
+// Takes the results of a packet that was cast for another scene.
+static void take_packet(cast_job *c, const packet_place *p, const olx_former_packet *former) {
+  olx_link_batch *batch = c->batch;
+  for (uint32_t i = 0; i < p->count; i++) batch->links[p->at + i] = former->links[i];
+  for (uint32_t i = 0; batch->fixed && former->fixed && i < p->count; i++) batch->fixed[p->at + i] = former->fixed[i];
+  for (uint32_t i = 0; c->lists && i < former->kept->unserved; i++) {
+    add_point(c, &c->lists[p->job], &former->points[i]);
+  }
+  c->rays[p->job] += former->kept->rays;
+  atomic_fetch_add_explicit(c->keeping.reused, former->kept->rays, memory_order_relaxed);
+  c->keeping.kept[p->kept_at] = *former->kept;
+  add_sums(&c->fixed[p->surfel], &former->kept->fixed);
+}
+
+static void store_packet(cast_job *c, const packet_place *p, const ray_end *ends, uint64_t check, uint64_t rays) {
+  olx_link_batch *batch = c->batch;
+  olx_kept_packet kept = {.check = check, .rays = (uint32_t)rays};
+  for (uint32_t i = 0; i < p->count; i++) {
+    batch->links[p->at + i] = ends[i].link;
+    const float fixed = add_fixed(&kept.fixed, &ends[i]);
+    if (batch->fixed) batch->fixed[p->at + i] = fixed;
+    kept.needs |= ends[i].needs;
+    if (!c->lists || !is_unserved(&ends[i])) continue;
+    add_point(c, &c->lists[p->job], &ends[i].point);
+    kept.unserved++;
+  }
+  c->rays[p->job] += rays;
+  if (c->keeping.kept) c->keeping.kept[p->kept_at] = kept;
+  add_sums(&c->fixed[p->surfel], &kept.fixed);
+}
+
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->surfels;
-  olx_link_batch *batch = c->batch;
+  const olx_link_batch *batch = c->batch;
   const uint32_t number = olx_link_surfel(batch, n);
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
   const ray_plan plan = plan_of(s, batch, number);
-  for (uint32_t first = 0; first < batch->rays; first += PACKET) {
-    const uint32_t count = batch->rays - first < PACKET ? batch->rays - first : PACKET;
-    ray_end ends[PACKET];
-    cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends, &c->rays[job]);
-    for (uint32_t i = 0; i < count; i++) {
-      const size_t at = (size_t)n * batch->rays + first + i;
-      batch->links[at] = ends[i].link;
-      const float fixed = add_fixed(&c->fixed[number], &ends[i]);
-      if (batch->fixed) batch->fixed[at] = fixed;
-      if (c->lists && is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
+  const uint64_t check = check_of(c, &plan);
+  const uint32_t packets = (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
+  for (uint32_t k = 0; k < packets; k++) {
+    const uint32_t first = k * OLX_LINK_PACKET, left = batch->rays - first;
+    const packet_place place = {.surfel = number,
+                                .job = job,
+                                .count = left < OLX_LINK_PACKET ? left : OLX_LINK_PACKET,
+                                .at = (size_t)n * batch->rays + first,
+                                .kept_at = (size_t)n * packets + k};
+    const uint64_t own = c->keeping.kept ? check_of_packet(check, batch->first_ray + first, place.count) : 0;
+    const olx_former_packet former = olx_former_rays_find(c->keeping.former, number, k, own);
+    if (former.kept) {
+      take_packet(c, &place, &former);
+      continue;
     }
+    ray_end ends[OLX_LINK_PACKET];
+    uint64_t cast = 0;
+    cast_packet(c, &surface, &plan, batch->first_ray + first, place.count, ends, &cast);
+    store_packet(c, &place, ends, own, cast);
   }
 }
 
@@ -290,9 +366,9 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
   const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
   olx_vec3 sum = {0};
   uint64_t cast = 0;
-  for (uint32_t first = 0; first < rays; first += PACKET) {
-    const uint32_t count = rays - first < PACKET ? rays - first : PACKET;
-    ray_end ends[PACKET];
+  for (uint32_t first = 0; first < rays; first += OLX_LINK_PACKET) {
+    const uint32_t count = rays - first < OLX_LINK_PACKET ? rays - first : OLX_LINK_PACKET;
+    ray_end ends[OLX_LINK_PACKET];
     cast_packet(&c, surface, &plan, first, count, ends, &cast);
     for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, gathered(&ends[i], light));
   }
@@ -320,13 +396,14 @@ static olx_result join_lists(const olx_point_list *lists, uint32_t jobs, olx_poi
 }
 
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
-                          olx_point_list *unserved, uint64_t *rays) {
+                          olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays) {
   const uint32_t jobs = (batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   cast_job c = {.surfels = surfels,
                 .batch = batch,
                 .fixed = fixed,
                 .lists = unserved ? olx_allocate_zero(jobs, sizeof *c.lists) : NULL,
                 .rays = olx_allocate_zero(jobs, sizeof *c.rays)};
+  if (keeping) c.keeping = *keeping;
   olx_result result = OLX_OK;
   if (!c.rays || (unserved && !c.lists)) result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for casting rays");
   if (result == OLX_OK) result = olx_parallel_for(jobs, surfels->threads, cast_some, &c, surfels->task, 0);

@@ -10,6 +10,7 @@
 #include "light/link_batch.h"
 
 enum {
+  OLX_LINK_PACKET = 64,      // rays that are cast together
   OLX_CHAIN_MOST = 4,        // surfaces that may pass a ray on before it is dropped
   OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
   OLX_LINK_CHAIN_MASK = 3
@@ -38,8 +39,16 @@ typedef struct olx_point_list {
   uint32_t count, capacity;
 } olx_point_list;
 
+// What a work folder knows of packets of rays (kept_rays.h).
+typedef struct olx_cast_keeping {
+  struct olx_kept_packet *kept;         // receives what each packet depends on; NULL: not wanted
+  const struct olx_former_rays *former; // packets of another scene, which need not be cast where they hold; or NULL
+  atomic_uint_fast64_t *reused;         // counts the rays of such packets; NULL without `former`
+} olx_cast_keeping;
+
+// keeping may be NULL. *rays counts the rays that packets brought, those that were not cast again included.
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
-                          olx_point_list *unserved, uint64_t *rays);
+                          olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
 
 // Continues the ray of link `i` of a batch, which ends at a surface without a surfel, by a cosine-distributed ray from
 // there.

@@ -81,7 +81,11 @@ olx_result olx_scene_light_load_links(olx_scene_light *l) { return olx_light_uni
 
 uint32_t olx_scene_light_bounces(const olx_scene_light *l) { return l->settings.bounces; }
 
-olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
+olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) {
+  olx_scene_light_report report = light->report;
+  report.reused_rays = atomic_load(&light->reused_rays);
+  return report;
+}
 
 olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
   return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};

@@ -139,3 +139,54 @@ static uint64_t hash_lights(const olx_scene *scene) {
 olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene) {
   return (olx_scene_parts_hash){hash_geometry(scene), hash_materials(scene), hash_lights(scene)};
 }
+
+// ---- Inputs of rays
+
+static void hash_textures_of(XXH3_state_t *state, const olx_scene *scene, const olx_material *m) {
+  const uint32_t textures[] = {m->base_color_texture, m->alpha_texture, m->metallic_roughness_texture,
+                               m->emission_texture, m->normal_texture};
+  for (uint32_t i = 0; i < sizeof textures / sizeof *textures; i++) {
+    if (textures[i] != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[textures[i]]);
+  }
+}
+
+static uint64_t hash_surfaces(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint64_t geometry = hash_geometry(scene);
+  XXH3_64bits_update(&state, &geometry, sizeof geometry);
+  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(&state, scene);
+  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
+  return XXH3_64bits_digest(&state);
+}
+
+static uint64_t hash_emitters(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint64_t lights = hash_lights(scene);
+  XXH3_64bits_update(&state, &lights, sizeof lights);
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    const olx_material *m = &scene->materials[i];
+    if (olx_max3(m->emission) <= 0.0f) continue;
+    XXH3_64bits_update(&state, &i, sizeof i);
+    hash_material(&state, m);
+    hash_textures_of(&state, scene, m);
+  }
+  return XXH3_64bits_digest(&state);
+}
+
+olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene) {
+  olx_scene_inputs inputs = {.surfaces = hash_surfaces(scene)};
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    XXH3_state_t state;
+    uint64_t *slot = &inputs.slots[i % OLX_INPUT_LIGHTS];
+    XXH3_64bits_reset(&state);
+    XXH3_64bits_update(&state, slot, sizeof *slot);
+    hash_material(&state, &scene->materials[i]);
+    hash_textures_of(&state, scene, &scene->materials[i]);
+    *slot = XXH3_64bits_digest(&state);
+  }
+  inputs.slots[OLX_INPUT_LIGHTS] = hash_emitters(scene);
+  return inputs;
+}

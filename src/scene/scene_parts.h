@@ -22,4 +22,18 @@ uint64_t olx_scene_hash(const olx_scene *scene);
 
 olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene);
 
+// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others, and
+// the last slot is for everything that emits.
+enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1 };
+
+typedef struct olx_scene_inputs {
+  uint64_t surfaces; // geometry, and which material lies where on it
+  uint64_t slots[OLX_INPUT_SLOTS];
+} olx_scene_inputs;
+
+olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene);
+
+// Returns the bit of a material's slot.
+static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_LIGHTS; }
+
 #endif

@@ -69,6 +69,15 @@ bool olx_units_have(const olx_unit_store *s, const olx_unit_stage *stage) {
   return is_stored(s, &name);
 }
 
+bool olx_units_read_stale(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, void **data,
+                          size_t *size_bytes) {
+  const olx_unit_name name = name_of(stage, unit);
+  *data = NULL;
+  const olx_unit_state state = s ? olx_work_folder_look(s->folder, &name) : OLX_UNIT_ABSENT;
+  if (state == OLX_UNIT_STALE) olx_work_folder_get_stale(s->folder, &name, data, size_bytes);
+  return state != OLX_UNIT_ABSENT;
+}
+
 bool olx_units_have_all(const olx_unit_store *s, const char *stage, uint32_t count) {
   for (uint32_t unit = 0; unit < count; unit++) {
     if (!is_stored(s, &(olx_unit_name){stage, 0, unit, OLX_PARTS_ALL})) return false;
@@ -85,8 +94,7 @@ void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round
 // Reports a unit that was loaded, or computed for the reason `why`.
 static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, const char *why, double start) {
   if (!s || !s->settings.done || !stage->make) return;
-  const olx_unit_done done = {
-      name_of(stage, unit), stage->count, *why == '\0', why, olx_seconds() - start};
+  const olx_unit_done done = {name_of(stage, unit), stage->count, *why == '\0', why, olx_seconds() - start};
   s->settings.done(s->settings.user, &done);
 }
 

@@ -14,10 +14,10 @@ typedef struct olx_unit_store olx_unit_store;
 // The report of a finished unit.
 typedef struct olx_unit_done {
   olx_unit_name name;
-  uint32_t count; // number of units in its stage and round
-  bool found;     // loaded; otherwise computed
+  uint32_t count;  // number of units in its stage and round
+  bool found;      // loaded; otherwise computed
   const char *why; // why it was computed: "new", "damaged", or the parts of the scene that changed; "" when loaded
-  double seconds; // time to compute or load it
+  double seconds;  // time to compute or load it
 } olx_unit_done;
 
 typedef struct olx_unit_store_settings {
@@ -58,6 +58,10 @@ typedef struct olx_unit_stage {
 // Returns whether unit 0 of a stage is stored; false for a NULL store.
 bool olx_units_have(const olx_unit_store *store, const olx_unit_stage *stage);
 
+// Reads a unit that was computed for another scene; the caller releases *data with olx_release, which is NULL where
+// there is none. Returns false where the stage has no such unit number. store may be NULL.
+bool olx_units_read_stale(const olx_unit_store *store, const olx_unit_stage *stage, uint32_t unit, void **data,
+                          size_t *size_bytes);
 // Returns whether the units 0 to count - 1 of a stage are stored; false for a NULL store, unless count is 0.
 bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t count);
 // Removes unit 0 of some rounds of a stage. store may be NULL.

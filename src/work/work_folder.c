@@ -119,8 +119,8 @@ olx_manifest_value olx_manifest_part_names(const olx_manifest *manifest, olx_sce
   size_t length = 0;
   for (uint32_t i = 0; i < list.count; i++) {
     if (!(parts >> i & 1u)) continue;
-    length += (size_t)snprintf(names.text + length, sizeof names.text - length, "%s%s", length ? " " : "",
-                               list.names[i]);
+    length +=
+        (size_t)snprintf(names.text + length, sizeof names.text - length, "%s%s", length ? " " : "", list.names[i]);
   }
   return names;
 }
@@ -312,8 +312,8 @@ olx_unit_state olx_work_folder_look(const olx_work_folder *f, const olx_unit_nam
   if (!is_file(f, file, &status)) return OLX_UNIT_ABSENT;
   const int descriptor = open_unit(f, file);
   if (descriptor < 0) return OLX_UNIT_STORED;
-  const bool stale = read_all(descriptor, &header, sizeof header) && is_header(name, &header) &&
-                     header.key != key_of(f, name);
+  const bool stale =
+      read_all(descriptor, &header, sizeof header) && is_header(name, &header) && header.key != key_of(f, name);
   close(descriptor);
   return stale ? OLX_UNIT_STALE : OLX_UNIT_STORED;
 }
@@ -333,8 +333,8 @@ static olx_result read_content(int descriptor, const unit_header *h, const char 
   return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
 }
 
-static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, int descriptor, const char *path,
-                            void **data, size_t *size_bytes) {
+static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, bool stale, int descriptor,
+                            const char *path, void **data, size_t *size_bytes) {
   unit_header header;
   struct stat status;
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -343,12 +343,13 @@ static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name,
   const bool whole = read_all(descriptor, &header, sizeof header) && is_header(name, &header) &&
                      (uint64_t)status.st_size == sizeof header + header.size_bytes;
   if (!whole) return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
-  if (header.key != key_of(f, name)) return olx_fail(OLX_ERROR_INCOMPLETE, "%s: is of another scene", path);
+  if (stale != (header.key != key_of(f, name))) return olx_fail(OLX_ERROR_INCOMPLETE, "%s: is of another scene", path);
   *size_bytes = header.size_bytes;
   return read_content(descriptor, &header, path, data);
 }
 
-olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+static olx_result get(const olx_work_folder *f, const olx_unit_name *name, bool stale, void **data,
+                      size_t *size_bytes) {
   char file[NAME_BYTES], path[PATH_MAX + NAME_BYTES];
   file_of(name, file);
   snprintf(path, sizeof path, "%s/%s", f->path, file);
@@ -356,9 +357,17 @@ olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *na
   *size_bytes = 0;
   const int descriptor = open_unit(f, file);
   if (descriptor < 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(errno));
-  const olx_result result = read_unit(f, name, descriptor, path, data, size_bytes);
+  const olx_result result = read_unit(f, name, stale, descriptor, path, data, size_bytes);
   close(descriptor);
   return result;
+}
+
+olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+  return get(f, name, false, data, size_bytes);
+}
+
+void olx_work_folder_get_stale(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+  if (get(f, name, true, data, size_bytes) != OLX_OK) *data = NULL;
 }
 
 // ---- The folder

@@ -94,6 +94,10 @@ olx_result olx_work_folder_put(olx_work_folder *folder, const olx_unit_name *nam
 // OLX_ERROR_INCOMPLETE when it is stale, OLX_ERROR_CHECKSUM when it is damaged. Messages name the file.
 olx_result olx_work_folder_get(const olx_work_folder *folder, const olx_unit_name *name, void **data,
                                size_t *size_bytes);
+// Reads the result of a unit that was computed for another scene; the caller releases *data with olx_release, which is
+// NULL where there is no such unit or it is damaged.
+void olx_work_folder_get_stale(const olx_work_folder *folder, const olx_unit_name *name, void **data,
+                               size_t *size_bytes);
 // Removes the result of a unit, where there is one.
 void olx_work_folder_drop(olx_work_folder *folder, const olx_unit_name *name);
 

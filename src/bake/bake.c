@@ -121,16 +121,16 @@ static olx_result find_buried(olx_bake_run *b) {
 
 static olx_result build_selectors(olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
-  const olx_selector_input input = {.scene = b->context.scene,
-                                    .positions = b->context.probes.light_field.positions,
-                                    .flags = b->context.probes.light_field.flags,
-                                    .count = b->context.probes.light_field.count,
-                                    .radiance_size = s->radiance_size,
-                                    .map_bytes = olx_light_field_map_bytes(b->context.probes.light_field.count,
-                                                                           s->radiance_size),
-                                    .distance_scale = b->context.distance_scale,
-                                    .threads = s->threads,
-                                    .task = &b->context.task};
+  const olx_selector_input input = {
+      .scene = b->context.scene,
+      .positions = b->context.probes.light_field.positions,
+      .flags = b->context.probes.light_field.flags,
+      .count = b->context.probes.light_field.count,
+      .radiance_size = s->radiance_size,
+      .map_bytes = olx_light_field_map_bytes(b->context.probes.light_field.count, s->radiance_size),
+      .distance_scale = b->context.distance_scale,
+      .threads = s->threads,
+      .task = &b->context.task};
   olx_task_stage(&b->context.task, "selectors");
   return olx_selectors_build(&input, olx_bake_select_mask(s), &b->selectors);
 }
@@ -200,7 +200,9 @@ olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
   settings.store = b->store;
-  if (b->store) settings.inputs = olx_scene_hash_inputs(b->context.scene);
+  // A limit on memory leaves no room for rays of another scene.
+  settings.keep_rays = b->store && s->work.keep && !s->work.parts && !s->memory_limit_bytes;
+  if (settings.keep_rays) settings.inputs = olx_scene_hash_inputs(b->context.scene);
   settings.link_folder = b->link_folder;
   return settings;
 }

@@ -19,7 +19,8 @@ typedef struct olx_scene_light_settings {
   uint32_t seed;     // seed of random numbers
   uint32_t threads;  // 0: one per processor
   olx_task *task;    // may be NULL
-  olx_scene_inputs inputs; // hashes of what rays depend on; only used with a store
+  bool keep_rays;    // store what rays depend on, and reuse those of another scene that hold; needs a store
+  olx_scene_inputs inputs; // hashes of what rays depend on, with keep_rays
   olx_unit_store *store;   // store of the bake that the light belongs to; NULL: nothing is stored
   const char *link_folder; // where links are kept in files, to save memory; NULL: in memory
 } olx_scene_light_settings;

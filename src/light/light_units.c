@@ -22,7 +22,7 @@ typedef struct cast_stage {
   olx_point_list found; // its ray ends without a surfel
   bool owns_links;      // whether `part` owns its links
   uint64_t surfels_hash;
-  olx_kept_packet *kept;  // of the latest unit
+  olx_kept_rays kept;     // of the latest unit
   olx_former_rays former; // rays of the round for another scene
 } cast_stage;
 
@@ -55,10 +55,6 @@ static batch_part part_of(const cast_stage *c, uint32_t unit) {
   return (batch_part){0};
 }
 
-static uint32_t packets_of(const olx_link_batch *batch) {
-  return (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
-}
-
 static bool lists_unserved(uint32_t round) { return round < OLX_LIGHT_HIDDEN_ROUNDS; }
 
 static olx_result allocate_links(olx_link_batch *batch) { return olx_link_batch_allocate(batch, !batch->guide); }
@@ -67,8 +63,7 @@ static void release_part(cast_stage *c) {
   if (c->owns_links) olx_link_batch_release(&c->part);
   else olx_link_batch_rest(&c->part, 0, c->part.count);
   olx_release(c->found.points);
-  olx_release(c->kept);
-  c->kept = NULL;
+  olx_kept_rays_free(&c->kept);
   c->owns_links = false;
   c->found = (olx_point_list){0};
 }
@@ -110,9 +105,8 @@ static olx_result cast_unit(void *user, uint32_t unit) {
   olx_scene_light *l = c->light;
   const batch_part p = part_of(c, unit);
   OLX_TRY(begin_part(c, &p));
-  c->kept = olx_allocate_zero((size_t)p.count * packets_of(p.batch), sizeof *c->kept);
-  if (!c->kept) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for packets of rays");
-  const olx_cast_keeping keeping = {c->kept, &c->former, &l->reused_rays};
+  if (l->settings.keep_rays) OLX_TRY(olx_kept_rays_create(&c->kept, &c->part));
+  const olx_cast_keeping keeping = {l->settings.keep_rays ? &c->kept : NULL, &c->former, &l->reused_rays};
   OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &keeping,
                          &c->rays));
   if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // whoever settles the round loads all of its units
@@ -124,7 +118,7 @@ static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const cast_stage *c = user;
   const size_t links = (size_t)c->part.count * c->part.rays;
-  olx_kept_rays_save(&c->part, c->kept, c->surfels_hash, &c->light->settings.inputs, to);
+  olx_kept_rays_save(&c->kept, &c->part, c->surfels_hash, &c->light->settings.inputs, to);
   olx_bytes_put(to, &c->rays, 1, sizeof c->rays);
   olx_bytes_put(to, c->part.links, links, sizeof *c->part.links);
   if (c->part.fixed) olx_bytes_put(to, c->part.fixed, links, sizeof *c->part.fixed);
@@ -196,6 +190,7 @@ static olx_result read_former(cast_stage *c, const olx_unit_stage *stage) {
   olx_scene_light *l = c->light;
   void *data;
   size_t size_bytes;
+  if (!l->settings.keep_rays) return OLX_OK;
   c->surfels_hash = olx_surfels_hash(&l->surfels);
   for (uint32_t unit = 0; olx_units_read_stale(l->settings.store, stage, unit, &data, &size_bytes); unit++) {
     if (!data) continue;

@@ -18,6 +18,8 @@ typedef struct ray_end {
   olx_surface_point point; // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
   uint64_t needs; // slots of olx_scene_inputs that it depends on
+  uint64_t cast;  // rays cast for it
+  bool known;     // it need not be cast
 } ray_end;
 
 typedef struct cast_job {
@@ -209,19 +211,26 @@ static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   return luminance;
 }
 
-// Casts up to OLX_LINK_PACKET rays of a surface, from index `first` on, and records what each brings.
+// Casts up to OLX_LINK_PACKET rays of a surface, from index `first` on, but for those whose ends are known, and records
+// what each brings. A ray's hit does not depend on which other rays are cast with it.
 static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
-                        ray_end *ends, uint64_t *cast) {
+                        ray_end *ends) {
   olx_ray rays[OLX_LINK_PACKET] = {0};
   olx_ray_hit hits[OLX_LINK_PACKET];
   bool valid[OLX_LINK_PACKET];
   float factors[OLX_LINK_PACKET];
   const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN);
-  for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
-  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
-  *cast += count;
+  uint32_t known = 0;
+  for (uint32_t i = 0; i < count; i++) known += ends[i].known;
+  if (known == count) return;
   for (uint32_t i = 0; i < count; i++) {
-    ends[i] = (ray_end){.link = no_link};
+    valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
+    if (ends[i].known) rays[i].t_max = -1.0f;
+  }
+  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
+  for (uint32_t i = 0; i < count; i++) {
+    if (ends[i].known) continue;
+    ends[i] = (ray_end){.link = no_link, .cast = 1};
     if (!valid[i]) continue;
     way w = {.lobe = {.direction = rays[i].direction},
              .origin = rays[i].origin,
@@ -229,7 +238,7 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
              .hit = hits[i],
              .distance = hits[i].t,
              .sampler = {.seed = chain_seed, .index = first + i}};
-    follow(c, &w, &ends[i], cast);
+    follow(c, &w, &ends[i], &ends[i].cast);
   }
 }
 
@@ -262,14 +271,6 @@ static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch,
                     .seed = seed_of(s, surfel)};
 }
 
-// Where the results of a packet go.
-typedef struct packet_place {
-  uint32_t surfel, job;
-  uint32_t count; // rays
-  size_t at;      // first link in the batch
-  size_t kept_at; // in keeping.kept
-} packet_place;
-
 // Returns a hash of everything that the rays of a surfel are drawn from, but for the surfel itself.
 static uint64_t check_of(const cast_job *c, const ray_plan *plan) {
   if (!c->keeping.kept) return 0;
@@ -283,45 +284,32 @@ static uint64_t check_of_packet(uint64_t check, uint32_t first, uint32_t count) 
   return olx_content_hash(numbers, sizeof numbers);
 }
 
-static void add_sums(olx_fixed_light *to, const olx_fixed_light *sums) {
-  for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) to->sum[i] = olx_add(to->sum[i], sums->sum[i]);
-  to->square += sums->square;
+// Fills in the ends of the packet's rays that were cast for another scene and still hold.
+static void take_former(const cast_job *c, uint32_t surfel, uint32_t packet, uint64_t check, uint32_t count,
+                        ray_end *ends) {
+  olx_former_packet former = olx_former_rays_find(c->keeping.former, surfel, packet, check);
+  uint64_t reused = 0;
+  for (uint32_t i = 0; former.unit && i < count; i++) {
+    const olx_former_ray ray = olx_former_packet_next(&former);
+    if (!ray.holds) continue;
+    ends[i] = (ray_end){.link = ray.link, .needs = ray.kept.needs, .cast = ray.kept.cast, .known = true};
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ends[i].fixed[k] = ray.kept.fixed[k];
+    if (is_unserved(&ends[i])) ends[i].point = *ray.point;
+    reused += ray.kept.cast;
+  }
+  if (reused) atomic_fetch_add_explicit(c->keeping.reused, reused, memory_order_relaxed);
 }
 
-// Takes the results of a packet that was cast for another scene.
-static void take_packet(cast_job *c, const packet_place *p, const olx_former_packet *former) {
-  olx_link_batch *batch = c->batch;
-  for (uint32_t i = 0; i < p->count; i++) batch->links[p->at + i] = former->links[i];
-  for (uint32_t i = 0; batch->fixed && former->fixed && i < p->count; i++) batch->fixed[p->at + i] = former->fixed[i];
-  for (uint32_t i = 0; c->lists && i < former->kept->unserved; i++) {
-    add_point(c, &c->lists[p->job], &former->points[i]);
-  }
-  c->rays[p->job] += former->kept->rays;
-  atomic_fetch_add_explicit(c->keeping.reused, former->kept->rays, memory_order_relaxed);
-  c->keeping.kept[p->kept_at] = *former->kept;
-  add_sums(&c->fixed[p->surfel], &former->kept->fixed);
-}
-
-static void store_packet(cast_job *c, const packet_place *p, const ray_end *ends, uint64_t check, uint64_t rays) {
-  olx_link_batch *batch = c->batch;
-  olx_kept_packet kept = {.check = check, .rays = (uint32_t)rays};
-  for (uint32_t i = 0; i < p->count; i++) {
-    batch->links[p->at + i] = ends[i].link;
-    const float fixed = add_fixed(&kept.fixed, &ends[i]);
-    if (batch->fixed) batch->fixed[p->at + i] = fixed;
-    kept.needs |= ends[i].needs;
-    if (!c->lists || !is_unserved(&ends[i])) continue;
-    add_point(c, &c->lists[p->job], &ends[i].point);
-    kept.unserved++;
-  }
-  c->rays[p->job] += rays;
-  if (c->keeping.kept) c->keeping.kept[p->kept_at] = kept;
-  add_sums(&c->fixed[p->surfel], &kept.fixed);
+static void keep_end(const cast_job *c, size_t at, const ray_end *end) {
+  olx_kept_ray *ray = &c->keeping.kept->rays[at];
+  ray->needs = end->needs;
+  ray->cast = (uint32_t)end->cast;
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ray->fixed[k] = end->fixed[k];
 }
 
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->surfels;
-  const olx_link_batch *batch = c->batch;
+  olx_link_batch *batch = c->batch;
   const uint32_t number = olx_link_surfel(batch, n);
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
@@ -330,21 +318,24 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const uint32_t packets = (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
   for (uint32_t k = 0; k < packets; k++) {
     const uint32_t first = k * OLX_LINK_PACKET, left = batch->rays - first;
-    const packet_place place = {.surfel = number,
-                                .job = job,
-                                .count = left < OLX_LINK_PACKET ? left : OLX_LINK_PACKET,
-                                .at = (size_t)n * batch->rays + first,
-                                .kept_at = (size_t)n * packets + k};
-    const uint64_t own = c->keeping.kept ? check_of_packet(check, batch->first_ray + first, place.count) : 0;
-    const olx_former_packet former = olx_former_rays_find(c->keeping.former, number, k, own);
-    if (former.kept) {
-      take_packet(c, &place, &former);
-      continue;
-    }
+    const uint32_t count = left < OLX_LINK_PACKET ? left : OLX_LINK_PACKET;
     ray_end ends[OLX_LINK_PACKET];
-    uint64_t cast = 0;
-    cast_packet(c, &surface, &plan, batch->first_ray + first, place.count, ends, &cast);
-    store_packet(c, &place, ends, own, cast);
+    for (uint32_t i = 0; i < count; i++) ends[i] = (ray_end){.link = no_link};
+    if (c->keeping.kept) {
+      const uint64_t own = check_of_packet(check, batch->first_ray + first, count);
+      c->keeping.kept->checks[(size_t)n * packets + k] = own;
+      take_former(c, number, k, own, count, ends);
+    }
+    cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends);
+    for (uint32_t i = 0; i < count; i++) {
+      const size_t at = (size_t)n * batch->rays + first + i;
+      batch->links[at] = ends[i].link;
+      const float fixed = add_fixed(&c->fixed[number], &ends[i]);
+      if (batch->fixed) batch->fixed[at] = fixed;
+      if (c->lists && is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
+      c->rays[job] += ends[i].cast;
+      if (c->keeping.kept) keep_end(c, at, &ends[i]);
+    }
   }
 }
 
@@ -365,11 +356,11 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
   cast_job c = {.surfels = surfels};
   const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
   olx_vec3 sum = {0};
-  uint64_t cast = 0;
   for (uint32_t first = 0; first < rays; first += OLX_LINK_PACKET) {
     const uint32_t count = rays - first < OLX_LINK_PACKET ? rays - first : OLX_LINK_PACKET;
     ray_end ends[OLX_LINK_PACKET];
-    cast_packet(&c, surface, &plan, first, count, ends, &cast);
+    for (uint32_t i = 0; i < count; i++) ends[i].known = false;
+    cast_packet(&c, surface, &plan, first, count, ends);
     for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, gathered(&ends[i], light));
   }
   return olx_scale(sum, 1.0f / (float)rays);

@@ -39,14 +39,14 @@ typedef struct olx_point_list {
   uint32_t count, capacity;
 } olx_point_list;
 
-// What a work folder knows of packets of rays (kept_rays.h).
+// What a work folder knows of rays (kept_rays.h).
 typedef struct olx_cast_keeping {
-  struct olx_kept_packet *kept;         // receives what each packet depends on; NULL: not wanted
-  const struct olx_former_rays *former; // packets of another scene, which need not be cast where they hold; or NULL
-  atomic_uint_fast64_t *reused;         // counts the rays of such packets; NULL without `former`
+  struct olx_kept_rays *kept;           // receives what each ray depends on; NULL: not wanted
+  const struct olx_former_rays *former; // rays for another scene, which are not cast again where they hold; or NULL
+  atomic_uint_fast64_t *reused;         // counts those rays; NULL without `kept`
 } olx_cast_keeping;
 
-// keeping may be NULL. *rays counts the rays that packets brought, those that were not cast again included.
+// keeping may be NULL. *rays counts all rays, with those that were not cast again.
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
 

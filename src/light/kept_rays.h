@@ -7,7 +7,7 @@
 #ifndef OLX_LIGHT_KEPT_RAYS_H
 #define OLX_LIGHT_KEPT_RAYS_H
 
-#include "light/links.h"
+#include "light/link_batch.h"
 #include "scene/scene_parts.h"
 #include "work/byte_stream.h"
 

@@ -9,28 +9,6 @@
 #include "core/pack.h"
 #include "light/link_batch.h"
 
-enum {
-  OLX_LINK_PACKET = 64,      // rays that are cast together
-  OLX_CHAIN_MOST = 4,        // surfaces that may pass a ray on before it is dropped
-  OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
-  OLX_LINK_CHAIN_MASK = 3
-};
-
-// Flag in `end`: the ray itself found the direct light at its end, and the link does not carry it.
-#define OLX_LINK_LIT (1u << 31)
-
-#define OLX_LINK_NOWHERE                                                                                               \
-  ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, only emission, or a black surface
-#define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // the ray hit a surface for which surfels will be added
-
-// Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
-// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They
-// are sums over rays of radiance times pi.
-typedef struct olx_fixed_light {
-  olx_vec3 sum[OLX_CHAIN_MOST];
-  float square; // sum over rays of the squared luminance
-} olx_fixed_light;
-
 // Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
 // OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
 // there.
@@ -76,7 +54,6 @@ static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel)
   return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
 }
 
-static inline uint32_t olx_link_end(const olx_link *link) { return link->end & OLX_LINK_NOWHERE; }
 static inline uint32_t olx_link_chain(const olx_link *link) {
   return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
 }
@@ -90,11 +67,6 @@ static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *dire
   const uint32_t end = olx_link_end(link);
   const olx_vec3 light = link->end & OLX_LINK_LIT ? irradiance[end] : olx_add(direct[end], irradiance[end]);
   return olx_mul(olx_rgb9e5_unpack(link->weight), light);
-}
-
-// Returns the n-th surfel of a batch.
-static inline uint32_t olx_link_surfel(const olx_link_batch *batch, uint32_t n) {
-  return batch->surfels ? batch->surfels[n] : batch->first_surfel + n;
 }
 
 #endif

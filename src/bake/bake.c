@@ -191,6 +191,12 @@ static olx_result make_classic_table(olx_bake_run *b) {
   return olx_classic_table_make(b->classic_table, b->context.settings->threads);
 }
 
+// A limit on memory leaves no room for rays of another scene.
+bool olx_bake_keeps_rays(const olx_bake_run *b) {
+  const olx_bake_settings *s = b->context.settings;
+  return b->store && s->work.keep && !s->work.parts && !s->memory_limit_bytes;
+}
+
 olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
   olx_scene_light_settings settings = olx_scene_light_settings_default();
@@ -200,8 +206,7 @@ olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
   settings.store = b->store;
-  // A limit on memory leaves no room for rays of another scene.
-  settings.keep_rays = b->store && s->work.keep && !s->work.parts && !s->memory_limit_bytes;
+  settings.keep_rays = olx_bake_keeps_rays(b);
   if (settings.keep_rays) settings.inputs = olx_scene_hash_inputs(b->context.scene);
   settings.link_folder = b->link_folder;
   return settings;

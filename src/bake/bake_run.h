@@ -64,6 +64,8 @@ olx_result olx_bake_probes(olx_bake_run *run);
 olx_result olx_bake_begin(olx_bake_run *run, const olx_progress *progress);
 // Computes the plan: `make` of olx_bake_plan.
 olx_result olx_bake_make_plan(olx_bake_run *run);
+// Returns whether the bake stores what rays depend on, for bakes of the scene when it was edited.
+bool olx_bake_keeps_rays(const olx_bake_run *run);
 olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *run);
 // The memory of a bake's arrays, without the scene, its light and selectors, for as many threads as the settings say.
 uint64_t olx_bake_array_bytes(const olx_bake_run *run);

@@ -1,5 +1,6 @@
 // The stages of a bake: how each computes its results, stores and reloads them, and writes them to the file.
 #include "bake/bake_run.h"
+#include "bake/probe_gathers.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
@@ -374,6 +375,7 @@ typedef struct probe_maps {
 typedef struct probe_stage {
   olx_bake_run *run;
   probe_maps made; // maps of the latest probe
+  olx_probe_gathers gathers;
 } probe_stage;
 
 static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
@@ -414,8 +416,10 @@ static olx_result make_probe(void *user, uint32_t probe) {
   olx_bake_run *b = s->run;
   const double start = olx_seconds();
   OLX_TRY(olx_capture_probe(&b->capture, probe, b->context.probes.light_field.positions[probe]));
+  olx_probe_gathers_begin(&s->gathers, probe);
   OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->context.probes.light_field.flags[probe] & OLX_PROBE_BURIED,
                                     &s->made.surfaces));
+  OLX_TRY(olx_probe_gathers_end(&s->gathers, probe));
   b->stats.capture_seconds += olx_seconds() - start;
   s->made.radiance = b->surfaces.radiance;
   s->made.normal = b->capture.normal;
@@ -520,7 +524,11 @@ olx_result olx_bake_probes(olx_bake_run *b) {
   const olx_unit_stage stage = {
       "probe", 0, b->context.probes.light_field.count, &s, make_probe, save_probe, load_probe, OLX_PARTS_ALL};
   olx_task_stage(&b->context.task, "light field");
+  OLX_TRY(olx_probe_gathers_create(&s.gathers, b));
+  b->surfaces.rows = s.gathers.rows;
   const olx_result result = olx_units_make(b->store, &stage);
+  b->surfaces.rows = NULL;
+  olx_probe_gathers_free(&s.gathers);
   olx_relight_sites_free(&s.made.sites);
   if (result != OLX_OK || !b->context.settings->relight || !b->writer) return result;
   return olx_relight_bake_write(&b->relight, b->writer);

@@ -104,9 +104,9 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add_hash(&manifest, "lights", parts.lights);
   add_hashed(&manifest, "views", &views);
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
-  olx_manifest_add(
-      &manifest, "stages",
-      "manifest plan scene light points cast direct bounce lookup facts volume irradiance classic relight probe");
+  olx_manifest_add(&manifest, "stages",
+                   "manifest plan scene light points cast direct bounce lookup facts volume irradiance classic relight "
+                   "gathers probe");
   return manifest;
 }
 

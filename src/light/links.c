@@ -351,19 +351,73 @@ static olx_vec3 gathered(const ray_end *end, const olx_passed_light *light) {
   return luminance > light->most ? olx_scale(sum, light->most / luminance) : sum;
 }
 
+// Returns a hash of everything that the rays of a gather are drawn from.
+static uint64_t check_of_gather(const olx_surface *surface, const ray_plan *plan) {
+  const uint64_t numbers[] = {plan->pool ? olx_content_hash(plan->pool, sizeof *plan->pool) : 0,
+                              (uint64_t)surface->triangle << 32 | plan->seed};
+  const olx_vec3 place[] = {surface->position, surface->geometric_normal, surface->shading_normal,
+                            olx_splat(surface->epsilon)};
+  const uint64_t hashes[] = {olx_content_hash(numbers, sizeof numbers), olx_content_hash(place, sizeof place)};
+  return olx_content_hash(hashes, sizeof hashes);
+}
+
+// Fills in the ends of rays that were cast for another scene and still hold.
+static void take_gather(olx_gather_row *row, uint64_t check, ray_end ends[OLX_GATHER_RAYS]) {
+  olx_kept_gather former;
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) ends[i] = (ray_end){.link = no_link};
+  if (!row || !olx_gather_row_find(row, check, &former)) return;
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
+    if (former.kinds[i] >= former.needs_count || former.needs[former.kinds[i]] & row->changed) continue;
+    ends[i] = (ray_end){.link = former.links[i], .needs = former.needs[former.kinds[i]], .known = true};
+    row->reused++;
+  }
+  for (uint32_t i = 0; i < former.light_count; i++) {
+    const olx_gather_light *light = &former.lights[i];
+    if (light->ray < OLX_GATHER_RAYS && light->surfaces < OLX_CHAIN_MOST && ends[light->ray].known) {
+      ends[light->ray].fixed[light->surfaces] = light->light;
+    }
+  }
+}
+
+static uint8_t kind_of(uint64_t needs[OLX_GATHER_RAYS], uint32_t *count, uint64_t wanted) {
+  uint32_t i = 0;
+  while (i < *count && needs[i] != wanted) i++;
+  if (i == *count) needs[(*count)++] = wanted;
+  return (uint8_t)i;
+}
+
+static void keep_gather(olx_gather_row *row, uint64_t check, const ray_end ends[OLX_GATHER_RAYS]) {
+  olx_link links[OLX_GATHER_RAYS];
+  uint64_t needs[OLX_GATHER_RAYS];
+  uint8_t kinds[OLX_GATHER_RAYS];
+  olx_gather_light lights[OLX_GATHER_RAYS * OLX_CHAIN_MOST];
+  olx_kept_gather kept = {.links = links, .needs = needs, .kinds = kinds, .lights = lights};
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
+    links[i] = ends[i].link;
+    kinds[i] = kind_of(needs, &kept.needs_count, ends[i].needs);
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
+      const olx_vec3 light = ends[i].fixed[k];
+      if (olx_max3(light) == 0.0f) continue;
+      lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
+    }
+  }
+  olx_gather_row_keep(row, check, &kept);
+}
+
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                          uint32_t seed, uint32_t rays, const olx_passed_light *light) {
+                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row) {
   cast_job c = {.surfels = surfels};
   const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
+  const uint64_t check = row ? check_of_gather(surface, &plan) : 0;
+  ray_end ends[OLX_GATHER_RAYS];
   olx_vec3 sum = {0};
-  for (uint32_t first = 0; first < rays; first += OLX_LINK_PACKET) {
-    const uint32_t count = rays - first < OLX_LINK_PACKET ? rays - first : OLX_LINK_PACKET;
-    ray_end ends[OLX_LINK_PACKET];
-    for (uint32_t i = 0; i < count; i++) ends[i].known = false;
-    cast_packet(&c, surface, &plan, first, count, ends);
-    for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, gathered(&ends[i], light));
+  take_gather(row, check, ends);
+  for (uint32_t first = 0; first < OLX_GATHER_RAYS; first += OLX_LINK_PACKET) {
+    cast_packet(&c, surface, &plan, first, OLX_LINK_PACKET, ends + first);
   }
-  return olx_scale(sum, 1.0f / (float)rays);
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) sum = olx_add(sum, gathered(&ends[i], light));
+  if (row) keep_gather(row, check, ends);
+  return olx_scale(sum, 1.0f / OLX_GATHER_RAYS);
 }
 
 static void cast_some(void *user, uint32_t job) {

@@ -7,6 +7,7 @@
 #define OLX_LIGHT_LINKS_H
 
 #include "core/pack.h"
+#include "light/kept_gathers.h"
 #include "light/link_batch.h"
 
 // Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
@@ -44,10 +45,10 @@ typedef struct olx_passed_light {
   float most; // bound on luminance times pi of a gathered ray: rare bright hits would leave blotches
 } olx_passed_light;
 
-// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They
-// are drawn by a pool's density, or evenly when that is NULL.
+// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from OLX_GATHER_RAYS rays of its
+// own. They are drawn by a pool's density, or evenly when that is NULL. `row` keeps what they find; it may be NULL.
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                          uint32_t seed, uint32_t rays, const olx_passed_light *light);
+                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row);
 
 // Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {

@@ -19,7 +19,7 @@
 #include <malloc.h>
 #endif
 
-static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
+static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats, const work_report *units) {
   cJSON *object = cJSON_CreateObject();
   add_number(object, "probes", light_probe_count(settings));
   add_number(object, "radiance_size", settings->radiance_size);
@@ -28,6 +28,7 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   add_number(object, "irradiance_buried", stats->irradiance_buried);
   add_number(object, "rays", (double)stats->rays);
   add_number(object, "primary_rays", (double)stats->primary_rays);
+  if (units) add_number(object, "reused_rays", (double)stats->reused_rays);
   add_number(object, "seconds", stats->seconds);
   if (olx_bake_keeps_probe_light(settings)) add_number(object, "irradiance_seconds", stats->irradiance_seconds);
   add_number(object, "capture_seconds", stats->capture_seconds);
@@ -56,6 +57,7 @@ static int print_bake_json(const olx_bake_settings *settings, const olx_bake_sta
   if (settings->bounce_gather == OLX_GATHER_TRACED) add_number(object, "unseen", stats->unseen);
   add_number(object, "peak_memory_bytes", (double)stats->peak_memory_bytes);
   add_number(object, "file_bytes", (double)stats->file_bytes);
+  if (units) add_work_report(object, units);
   return print_json("bake", object);
 }
 
@@ -213,15 +215,17 @@ static int report_failure(olx_result result, const olx_bake_settings *settings, 
   return result == OLX_ERROR_INCOMPLETE ? EXIT_AGAIN : code;
 }
 
-static int print_part(const olx_bake_work *work, const work_line *units, bool json) {
+static int print_part(const olx_bake_work *work, const work_report *units, bool explain, bool json) {
   if (!json) {
     printf("%s: part %u of %u made %u units; all are there\n", work->folder, work->part, work->parts, units->made);
+    if (explain) print_work_report(units);
     return EXIT_DONE;
   }
   cJSON *object = cJSON_CreateObject();
   add_number(object, "part", work->part);
   add_number(object, "parts", work->parts);
   add_number(object, "units_made", units->made);
+  if (explain) add_work_report(object, units);
   return print_json("bake", object);
 }
 
@@ -236,9 +240,13 @@ static int bake_scene(const olx_scene *scene, const bake_command *c, const char 
   const olx_result result = olx_bake(scene, settings, path, &progress, &stats);
   progress_end(&line);
   if (result != OLX_OK) return report_failure(result, settings, path);
-  if (settings->work.parts) return print_part(&settings->work, &c->units, c->json);
-  if (c->json) return print_bake_json(settings, &stats);
+  if (settings->work.parts) return print_part(&settings->work, &c->units.report, c->work.explain, c->json);
+  const work_report *units = c->work.explain ? &c->units.report : NULL;
+  if (c->json) return print_bake_json(settings, &stats, units);
   print_bake(path, settings, &stats);
+  if (!units) return EXIT_DONE;
+  printf("  reused   %" PRIu64 " rays from before an edit of the scene\n", stats.reused_rays);
+  print_work_report(units);
   return EXIT_DONE;
 }
 

@@ -13,7 +13,10 @@ const option work_folder_options[] = {
     {"--no-work", OPTION_FLAG, offsetof(work_options, none), NULL, "keep no results: an interrupted bake begins anew"},
     {"--fresh", OPTION_FLAG, offsetof(work_options, fresh), NULL,
      "discard the results in the work folder, and begin anew"},
-    {"--keep-work", OPTION_FLAG, offsetof(work_options, keep), NULL, "keep the work folder after the field is written"},
+    {"--keep-work", OPTION_FLAG, offsetof(work_options, keep), NULL,
+     "keep the work folder after the field is written, and reuse its results that an edited scene leaves valid"},
+    {"--explain", OPTION_FLAG, offsetof(work_options, explain), NULL,
+     "print how much of each stage was reused from the work folder, and why the rest was not"},
     {"--work-limit", OPTION_REAL, offsetof(work_options, limit), "GIB",
      "the most space that the work folder takes; default: no limit"},
     {"--part", OPTION_TEXT, offsetof(work_options, part), "I/N",
@@ -39,11 +42,11 @@ static bool parse_part(const char *text, olx_bake_work *work) {
 
 static void count_unit(void *user, const olx_bake_unit *unit) {
   work_line *line = user;
-  if (unit->found) line->found++;
-  else line->made++;
+  count_work_unit(&line->report, unit);
   if (!line->json) return;
-  fprintf(stderr, "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f}\n",
-          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
+  fprintf(stderr,
+          "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,\"why\":\"%s\"}\n",
+          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds, unit->why);
 }
 
 // Returns whether a folder that only its owner can access can be created there: some file systems do not support this.
@@ -65,7 +68,8 @@ static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settin
 }
 
 static int check_given(const work_options *given, const olx_bake_settings *settings) {
-  if (given->none && (given->folder || given->part || given->fresh || given->keep || given->limit > 0.0f)) {
+  if (given->none &&
+      (given->folder || given->part || given->fresh || given->keep || given->explain || given->limit > 0.0f)) {
     return usage_error("bake", "--no-work excludes whatever else is said of the work folder");
   }
   if (!given->part) return EXIT_DONE;
@@ -85,7 +89,7 @@ int resolve_work_options(const olx_scene *scene, const work_options *given, cons
   const int length = snprintf(line->folder, sizeof line->folder, "%s%s", given->folder ? given->folder : output,
                               given->folder ? "" : ".work");
   if (length >= (int)sizeof line->folder) return failure("bake", "the name of the work folder is too long");
-  const bool asked = given->folder || given->keep || given->fresh || given->limit > 0.0f;
+  const bool asked = given->folder || given->keep || given->fresh || given->explain || given->limit > 0.0f;
   if (!asked && !wants_folder(scene, settings, output, line->folder)) return EXIT_DONE;
   work->folder = line->folder;
   work->fresh = given->fresh;

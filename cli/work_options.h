@@ -3,13 +3,14 @@
 #define OCTALUX_CLI_WORK_OPTIONS_H
 
 #include "options.h"
+#include "work_report.h"
 
 #include <octalux/bake.h>
 
 typedef struct work_options {
   const char *folder, *part; // NULL when not given
   float limit;               // GiB; 0 when not given
-  bool none, fresh, keep;
+  bool none, fresh, keep, explain;
 } work_options;
 
 // Options that fill a work_options.
@@ -18,7 +19,7 @@ extern const option work_folder_options[];
 // Counts of the units of a bake, for its report.
 typedef struct work_line {
   bool json; // print a line of JSON for each unit on standard error
-  uint32_t made, found;
+  work_report report;
   char folder[4096];
 } work_line;
 

@@ -73,7 +73,7 @@ cmp -s joined.olx whole.olx || fail "parts made another field"
 # Folders of other bakes or other machines, and folders that are not work folders, are refused.
 expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
 complains 1 "another bake: its settings is" bake "${scene[@]}" --seed 1 -o old.olx --work kept
-complains 1 "another bake: its scene is" bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
+complains 1 "another bake: its geometry is" bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
 complains 1 "another bake: its instructions is" bake "${scene[@]}" --isa sse2 -o old.olx --work kept
 mkdir -m 700 foreign
 echo mine >foreign/notes.txt

@@ -141,7 +141,7 @@ static void refused(const place *p, const char *why) {
   if (!strstr(olx_last_error(), why)) fail_msg("'%s' does not say '%s'", olx_last_error(), why);
 }
 
-static const olx_unit_name probe_3 = {"probe", 0, 3}, cast_2_7 = {"cast", 2, 7};
+static const olx_unit_name probe_3 = {"probe", 0, 3, OLX_PARTS_ALL}, cast_2_7 = {"cast", 2, 7, OLX_PARTS_ALL};
 
 static void put_text(olx_work_folder *folder, const olx_unit_name *name, const char *text) {
   assert_int_equal(olx_work_folder_put(folder, name, text, strlen(text)), OLX_OK);
@@ -168,7 +168,7 @@ static void results_outlive_the_program_that_made_them(void **state) {
   holds_text(folder, &cast_2_7, "");
   put_text(folder, &probe_3, "another");
   holds_text(folder, &probe_3, "another");
-  assert_false(olx_work_folder_has(folder, &(olx_unit_name){"probe", 0, 4}));
+  assert_false(olx_work_folder_has(folder, &(olx_unit_name){"probe", 0, 4, OLX_PARTS_ALL}));
   olx_work_folder_close(folder);
 }
 
@@ -249,7 +249,7 @@ static void a_result_under_another_name_is_no_result(void **state) {
   put_text(folder, &probe_3, "a result");
   snprintf(other, sizeof other, "%s", file_in(p, "probe-0-4.unit"));
   assert_int_equal(rename(file_in(p, "probe-0-3.unit"), other), 0);
-  is_damaged(folder, &(olx_unit_name){"probe", 0, 4});
+  is_damaged(folder, &(olx_unit_name){"probe", 0, 4, OLX_PARTS_ALL});
   olx_work_folder_close(folder);
 }
 
@@ -346,7 +346,7 @@ static void only_what_the_manifest_names_is_removed(void **state) {
 enum { STORED = 12 };
 
 static void put_units(olx_work_folder *folder) {
-  for (uint32_t i = 0; i < STORED; i++) put_text(folder, &(olx_unit_name){"probe", 0, i}, "a result");
+  for (uint32_t i = 0; i < STORED; i++) put_text(folder, &(olx_unit_name){"probe", 0, i, OLX_PARTS_ALL}, "a result");
 }
 
 static void the_manifest_outlives_the_units(void **state) {
@@ -442,13 +442,90 @@ static olx_result load_number(void *user, uint32_t unit, olx_byte_reader *from) 
 }
 
 static olx_unit_stage stage_of(numbers *n) {
-  return (olx_unit_stage){"probe", 0, UNITS, n, make_number, save_number, load_number};
+  return (olx_unit_stage){"probe", 0, UNITS, n, make_number, save_number, load_number, OLX_PARTS_ALL};
 }
 
 static void count_done(void *user, const olx_unit_done *unit) {
   assert_string_equal(unit->name.stage, "probe");
   assert_int_equal(unit->count, UNITS);
   ((numbers *)user)->told++;
+}
+
+enum { WALLS = 1, PAINT = 2 }; // the parts of the scene, in the order of the manifest
+
+static olx_manifest scene_manifest(const char *walls, const char *paint) {
+  olx_manifest manifest = manifest_of("a", "avx2");
+  olx_manifest_add(&manifest, "walls", walls);
+  olx_manifest_add(&manifest, "paint", paint);
+  olx_manifest_add(&manifest, "parts-of-scene", "walls paint");
+  return manifest;
+}
+
+static olx_work_folder *open_scene(const place *p, const char *walls, const char *paint) {
+  const olx_manifest manifest = scene_manifest(walls, paint);
+  const olx_work_folder_settings settings = {.manifest = &manifest, .lock = OLX_WORK_ALONE, .edited = true};
+  olx_work_folder *folder;
+  assert_int_equal(olx_work_folder_open(p->folder, &settings, &folder), OLX_OK);
+  return folder;
+}
+
+static void units_hold_while_the_parts_of_the_scene_do_that_they_need(void **state) {
+  place *p = *state;
+  const olx_unit_name of_walls = {"cast", 0, 0, WALLS}, of_all = {"probe", 0, 0, OLX_PARTS_ALL};
+  olx_work_folder *folder = open_scene(p, "brick", "red");
+  put_text(folder, &of_walls, "a shape");
+  put_text(folder, &of_all, "a colour");
+  olx_work_folder_close(folder);
+
+  folder = open_scene(p, "brick", "blue");
+  assert_int_equal(olx_work_folder_edited(folder), PAINT);
+  holds_text(folder, &of_walls, "a shape");
+  assert_int_equal(olx_work_folder_look(folder, &of_all), OLX_UNIT_STALE);
+  assert_false(olx_work_folder_has(folder, &of_all));
+  void *data;
+  size_t size_bytes;
+  assert_int_equal(olx_work_folder_get(folder, &of_all, &data, &size_bytes), OLX_ERROR_INCOMPLETE);
+  olx_work_folder_get_stale(folder, &of_all, &data, &size_bytes);
+  assert_int_equal(size_bytes, strlen("a colour"));
+  olx_release(data);
+  olx_work_folder_get_stale(folder, &of_walls, &data, &size_bytes);
+  assert_null(data);
+  olx_work_folder_tidy(folder);
+  assert_int_equal(olx_work_folder_look(folder, &of_all), OLX_UNIT_ABSENT);
+  holds_text(folder, &of_walls, "a shape");
+  olx_work_folder_close(folder);
+}
+
+// After an interrupted bake of an edited scene, and after an edit that is taken back, keys alone tell what holds.
+static void keys_outlive_the_manifest_of_an_edit(void **state) {
+  place *p = *state;
+  const olx_unit_name of_all = {"probe", 0, 0, OLX_PARTS_ALL};
+  olx_work_folder *folder = open_scene(p, "brick", "red");
+  put_text(folder, &of_all, "a colour");
+  olx_work_folder_close(folder);
+  olx_work_folder_close(open_scene(p, "brick", "blue"));
+  folder = open_scene(p, "brick", "blue");
+  assert_int_equal(olx_work_folder_edited(folder), 0);
+  assert_int_equal(olx_work_folder_look(folder, &of_all), OLX_UNIT_STALE);
+  olx_work_folder_close(folder);
+  folder = open_scene(p, "brick", "red");
+  holds_text(folder, &of_all, "a colour");
+  olx_work_folder_close(folder);
+}
+
+static void an_edit_has_to_be_allowed_and_to_be_of_the_scene_alone(void **state) {
+  place *p = *state;
+  olx_work_folder_close(open_scene(p, "brick", "red"));
+  const olx_manifest painted = scene_manifest("brick", "blue");
+  olx_manifest other = scene_manifest("brick", "blue");
+  olx_manifest_add(&other, "noise", "0.1");
+  olx_work_folder *folder;
+  assert_int_equal(open_as(p, &painted, OLX_WORK_ALONE, false, &folder), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "its paint is red, and this one's is blue"));
+  assert_non_null(strstr(olx_last_error(), "or reuse what still holds with --keep-work"));
+  const olx_work_folder_settings settings = {.manifest = &other, .lock = OLX_WORK_ALONE, .edited = true};
+  assert_int_equal(olx_work_folder_open(p->folder, &settings, &folder), OLX_ERROR_ARGUMENT);
+  assert_null(strstr(olx_last_error(), "--keep-work"));
 }
 
 static olx_unit_store *store_of(const place *p, numbers *n, uint32_t part, uint32_t parts, uint64_t limit_bytes) {
@@ -618,6 +695,9 @@ int main(void) {
       IN_A_PLACE(a_folder_that_is_half_removed_is_begun_anew),
       IN_A_PLACE(links_in_the_folder_are_not_followed),
       IN_A_PLACE(who_works_alone_keeps_others_out),
+      IN_A_PLACE(units_hold_while_the_parts_of_the_scene_do_that_they_need),
+      IN_A_PLACE(keys_outlive_the_manifest_of_an_edit),
+      IN_A_PLACE(an_edit_has_to_be_allowed_and_to_be_of_the_scene_alone),
       cmocka_unit_test(without_a_store_every_unit_is_made),
       IN_A_PLACE(a_whole_bake_makes_what_is_missing),
       IN_A_PLACE(parts_in_any_order_make_every_unit_once),

@@ -27,11 +27,13 @@ typedef enum olx_bake_light {
 
 // A finished unit of work, as olx_bake_work.done receives it.
 typedef struct olx_bake_unit {
-  const char *stage;           // "plan", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
-                               // "relight", "probe"
+  const char *stage; // "plan", "scene", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
+                     // "relight", "probe"
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
+  const char *why; // why it was computed: "new", "damaged", or what changed since it was stored, some of "geometry
+                   // materials lights views"; "" where `found`. Valid during the call
 } olx_bake_unit;
 
 // Where a bake stores the results of its units, so that it can continue after it was stopped or killed, or be divided
@@ -40,7 +42,9 @@ typedef struct olx_bake_work {
   const char *folder;   // the caller's; NULL, the default: nothing is stored. Created if missing; must belong to this
                         // user with mode 0700, must not be a link, and must be empty or a work folder of the same bake
   bool fresh;           // discard what the folder holds, even of another bake; default false
-  bool keep;            // leave the folder as it is when the field is written; default false: it is removed
+  bool keep;            // leave the folder as it is when the field is written; default false: it is removed. A whole
+                        // bake also accepts a folder of the same settings whose scene was edited since, and reuses
+                        // what still holds
   uint64_t limit_bytes; // the most for all results: beyond it a whole bake stores no more, with a warning, and a part
                         // fails with OLX_ERROR_FILE; 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
@@ -151,6 +155,7 @@ typedef struct olx_bake_stats {
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
   double unseen; // OLX_GATHER_TRACED: share of rays that met a surface which no probe nearby sees; they bring no light
+  uint64_t reused_rays; // of `rays`: found in the work folder, which holds them from before an edit of the scene
 } olx_bake_stats;
 
 // The sizes of a bake, computed by the code that allocates and lays out; only for expected_bytes rays are cast, at most

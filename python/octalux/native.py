@@ -234,7 +234,8 @@ class BakeStats(Struct):
                 ("volume_seconds", c_double), ("write_seconds", c_double), ("classic_seconds", c_double),
                 ("relight_seconds", c_double), ("embree_seconds", c_double),
                 ("raster_seconds", c_double), ("raster_rays", c_uint64), ("peak_memory_bytes", c_uint64),
-                ("file_bytes", c_uint64), ("buried", c_uint32), ("irradiance_buried", c_uint32), ("unseen", c_double)]
+                ("file_bytes", c_uint64), ("buried", c_uint32), ("irradiance_buried", c_uint32), ("unseen", c_double),
+                ("reused_rays", c_uint64)]
 
 
 class Image(Struct):

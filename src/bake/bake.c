@@ -121,16 +121,16 @@ static olx_result find_buried(olx_bake_run *b) {
 
 static olx_result build_selectors(olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
-  const olx_selector_input input = {.scene = b->context.scene,
-                                    .positions = b->context.probes.light_field.positions,
-                                    .flags = b->context.probes.light_field.flags,
-                                    .count = b->context.probes.light_field.count,
-                                    .radiance_size = s->radiance_size,
-                                    .map_bytes = olx_light_field_map_bytes(b->context.probes.light_field.count,
-                                                                           s->radiance_size),
-                                    .distance_scale = b->context.distance_scale,
-                                    .threads = s->threads,
-                                    .task = &b->context.task};
+  const olx_selector_input input = {
+      .scene = b->context.scene,
+      .positions = b->context.probes.light_field.positions,
+      .flags = b->context.probes.light_field.flags,
+      .count = b->context.probes.light_field.count,
+      .radiance_size = s->radiance_size,
+      .map_bytes = olx_light_field_map_bytes(b->context.probes.light_field.count, s->radiance_size),
+      .distance_scale = b->context.distance_scale,
+      .threads = s->threads,
+      .task = &b->context.task};
   olx_task_stage(&b->context.task, "selectors");
   return olx_selectors_build(&input, olx_bake_select_mask(s), &b->selectors);
 }
@@ -191,6 +191,12 @@ static olx_result make_classic_table(olx_bake_run *b) {
   return olx_classic_table_make(b->classic_table, b->context.settings->threads);
 }
 
+// A limit on memory leaves no room for rays of another scene.
+bool olx_bake_keeps_rays(const olx_bake_run *b) {
+  const olx_bake_settings *s = b->context.settings;
+  return b->store && s->work.keep && !s->work.parts && !s->memory_limit_bytes;
+}
+
 olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   const olx_bake_settings *s = b->context.settings;
   olx_scene_light_settings settings = olx_scene_light_settings_default();
@@ -200,6 +206,8 @@ olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   settings.seed = b->shade.seed;
   settings.threads = s->threads;
   settings.store = b->store;
+  settings.keep_rays = olx_bake_keeps_rays(b);
+  if (settings.keep_rays) settings.inputs = olx_scene_hash_inputs(b->context.scene);
   settings.link_folder = b->link_folder;
   return settings;
 }
@@ -213,6 +221,7 @@ static olx_result solve_light(olx_bake_run *b) {
                                  b->context.probes.light_field.flags, b->context.probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);
   b->stats.rays += report.rays;
+  b->stats.reused_rays = report.reused_rays;
   b->stats.surfels = report.surfels;
   b->stats.noise = report.noise;
   b->stats.light_bytes = report.bytes;
@@ -243,7 +252,6 @@ uint64_t olx_bake_units(const olx_bake_run *b) {
 }
 
 olx_result olx_bake_make_plan(olx_bake_run *b) {
-  OLX_TRY(olx_surface_lights(b->context.scene, &b->lights));
   OLX_TRY(find_buried(b));
   OLX_TRY(build_selectors(b));
   OLX_TRY(make_classic_table(b));

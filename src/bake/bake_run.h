@@ -45,8 +45,8 @@ typedef struct olx_bake_run {
   double measure_seconds; // total time spent on measuring Embree
 } olx_bake_run;
 
-// Runs the stage "plan", which precedes the first probe: buried probes, selectors, the cells of the volume and the
-// scene's lights. `make` computes them where the store has none.
+// Runs the stages "plan" and "scene", which precede the first probe: buried probes, selectors and the cells of the
+// volume, and the scene's lights. `make` computes the plan where the store has none.
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
 // Returns whether the store holds every unit of the file.
 bool olx_bake_is_stored(const olx_bake_run *run);
@@ -64,6 +64,8 @@ olx_result olx_bake_probes(olx_bake_run *run);
 olx_result olx_bake_begin(olx_bake_run *run, const olx_progress *progress);
 // Computes the plan: `make` of olx_bake_plan.
 olx_result olx_bake_make_plan(olx_bake_run *run);
+// Returns whether the bake stores what rays depend on, for bakes of the scene when it was edited.
+bool olx_bake_keeps_rays(const olx_bake_run *run);
 olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *run);
 // The memory of a bake's arrays, without the scene, its light and selectors, for as many threads as the settings say.
 uint64_t olx_bake_array_bytes(const olx_bake_run *run);

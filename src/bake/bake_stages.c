@@ -1,5 +1,6 @@
 // The stages of a bake: how each computes its results, stores and reloads them, and writes them to the file.
 #include "bake/bake_run.h"
+#include "bake/probe_gathers.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
@@ -18,8 +19,6 @@ typedef struct plan_record {
   olx_bake_settings settings; // its pointers are not valid
   double origin[3];
   olx_vec3 bounds_min, bounds_max;
-  uint64_t hash;
-  uint32_t light_count;
   uint32_t buried, irradiance_buried;
   uint32_t volume_probes, volume_cells;
   double volume_unserved;
@@ -33,8 +32,6 @@ static plan_record record_of(const olx_bake_run *b) {
   memcpy(record.origin, scene->origin, sizeof record.origin);
   record.bounds_min = scene->bounds_min;
   record.bounds_max = scene->bounds_max;
-  record.hash = scene->hash;
-  record.light_count = scene->light_count;
   record.buried = b->stats.buried;
   record.irradiance_buried = b->stats.irradiance_buried;
   record.volume_probes = b->volume.cells.probe_count;
@@ -87,7 +84,6 @@ static void save_plan(void *user, uint32_t unit, olx_byte_writer *to) {
   olx_bytes_put(to, &record, 1, sizeof record);
   put_probes(to, &b->context.probes.light_field);
   put_probes(to, &b->context.probes.irradiance);
-  olx_bytes_put(to, b->lights, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) put_blob(to, b->selectors.data[i], b->selectors.size_bytes[i]);
   put_blob(to, b->volume.cells.data, b->volume.cells.size_bytes);
   put_blob(to, b->volume.cells.positions, b->volume.cells.probe_count * sizeof *b->volume.cells.positions);
@@ -115,8 +111,6 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
   if (joined->settings.probes) joined->settings.probes = b->context.probes.light_field.positions;
   joined->scene.bounds_min = record->bounds_min;
   joined->scene.bounds_max = record->bounds_max;
-  joined->scene.hash = record->hash;
-  joined->scene.light_count = record->light_count;
   memcpy(joined->scene.origin, record->origin, sizeof record->origin);
   b->context.distance_scale = olx_length(olx_sub(record->bounds_max, record->bounds_min));
 }
@@ -124,12 +118,11 @@ static void take_record(olx_bake_run *b, const plan_record *record) {
 static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
   olx_bake_run *b = ((const plan_stage *)user)->run;
-  plan_record record = {.light_count = 0};
+  plan_record record = {.buried = 0};
   size_t ignored;
   olx_bytes_copy(from, &record, 1, sizeof record);
   OLX_TRY(take_probes(from, &b->context.probes.light_field));
   OLX_TRY(take_probes(from, &b->context.probes.irradiance));
-  b->lights = olx_bytes_take(from, record.light_count, sizeof *b->lights);
   for (uint32_t i = 0; i < OLX_SELECT_STORED; i++) {
     b->selectors.data[i] = take_blob(from, &b->selectors.size_bytes[i]);
   }
@@ -140,10 +133,42 @@ static olx_result load_plan(void *user, uint32_t unit, olx_byte_reader *from) {
   return OLX_OK;
 }
 
+// ---- What the file stores about the scene's light, for joining
+
+static olx_result make_scene(void *user, uint32_t unit) {
+  (void)unit;
+  olx_bake_run *b = user;
+  return olx_surface_lights(b->context.scene, &b->lights);
+}
+
+static void save_scene(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const olx_bake_run *b = user;
+  const olx_scene *scene = b->context.scene;
+  olx_bytes_put(to, &scene->hash, 1, sizeof scene->hash);
+  olx_bytes_put(to, &scene->light_count, 1, sizeof scene->light_count);
+  olx_bytes_put(to, b->lights, scene->light_count, sizeof *b->lights);
+}
+
+static olx_result load_scene(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  olx_bake_run *b = user;
+  uint64_t hash = 0;
+  uint32_t light_count = 0;
+  olx_bytes_copy(from, &hash, 1, sizeof hash);
+  olx_bytes_copy(from, &light_count, 1, sizeof light_count);
+  b->lights = olx_bytes_take(from, light_count, sizeof *b->lights);
+  if (b->joined) b->joined->scene.hash = hash;
+  if (b->joined) b->joined->scene.light_count = light_count;
+  return OLX_OK;
+}
+
 olx_result olx_bake_plan(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   plan_stage p = {b, make};
-  const olx_unit_stage stage = {"plan", 0, 1, &p, make_plan, save_plan, load_plan};
-  return olx_unit_once(b->store, &stage);
+  const olx_unit_stage plan = {"plan", 0, 1, &p, make_plan, save_plan, load_plan, OLX_PART_GEOMETRY | OLX_PART_VIEWS};
+  const olx_unit_stage scene = {"scene", 0, 1, b, make_scene, save_scene, load_scene, OLX_PARTS_ALL};
+  OLX_TRY(olx_unit_once(b->store, &plan));
+  return olx_unit_once(b->store, &scene);
 }
 
 // ---- Statistics of the solved light
@@ -175,7 +200,7 @@ static olx_result load_facts(void *user, uint32_t unit, olx_byte_reader *from) {
 
 olx_result olx_bake_facts(olx_bake_run *b) {
   facts_stage f = {.run = b};
-  const olx_unit_stage stage = {"facts", 0, 1, &f, make_facts, save_facts, load_facts};
+  const olx_unit_stage stage = {"facts", 0, 1, &f, make_facts, save_facts, load_facts, OLX_PARTS_ALL};
   if (b->context.settings->light == OLX_LIGHT_REFERENCE) return OLX_OK;
   OLX_TRY(olx_units_make(b->store, &stage));
   if (b->writer) olx_field_writer_last_bounce(b->writer, f.last_bounce);
@@ -235,7 +260,8 @@ static olx_result load_irradiance(void *user, uint32_t unit, olx_byte_reader *fr
 
 olx_result olx_bake_irradiance(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   irradiance_stage s = {.run = b, .make = make, .words = olx_gather_record_words(&b->gather)};
-  const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance};
+  const olx_unit_stage stage = {"irradiance", 0, 1, &s, make_irradiance, save_irradiance, load_irradiance,
+                                OLX_PARTS_ALL};
   if (!b->context.probes.irradiance.count) return OLX_OK;
   s.record = olx_allocate_zero(s.words, sizeof *s.record);
   if (!s.record) return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for an irradiance map");
@@ -294,8 +320,8 @@ static olx_result load_classic(void *user, uint32_t probe, olx_byte_reader *from
 
 olx_result olx_bake_classic(olx_bake_run *b) {
   classic_stage c = {.run = b};
-  const olx_unit_stage stage = {"classic",    0,           b->context.probes.irradiance.count, &c, make_classic,
-                                save_classic, load_classic};
+  const olx_unit_stage stage = {
+      "classic", 0, b->context.probes.irradiance.count, &c, make_classic, save_classic, load_classic, OLX_PARTS_ALL};
   if (!b->context.settings->classic) return OLX_OK;
   olx_task_stage(&b->context.task, "classic maps");
   b->classic.bounces = b->bounces;
@@ -326,7 +352,7 @@ static olx_result load_relight(void *user, uint32_t unit, olx_byte_reader *from)
 }
 
 olx_result olx_bake_relight(olx_bake_run *b) {
-  const olx_unit_stage stage = {"relight", 0, 1, b, make_relight, save_relight, load_relight};
+  const olx_unit_stage stage = {"relight", 0, 1, b, make_relight, save_relight, load_relight, OLX_PARTS_ALL};
   if (!b->context.settings->relight) return OLX_OK;
   olx_task_stage(&b->context.task, "relighting");
   const double start = olx_seconds();
@@ -350,6 +376,7 @@ typedef struct probe_maps {
 typedef struct probe_stage {
   olx_bake_run *run;
   probe_maps made; // maps of the latest probe
+  olx_probe_gathers gathers;
 } probe_stage;
 
 static olx_result write_geometry(olx_bake_run *b, uint32_t probe, const probe_maps *maps) {
@@ -390,8 +417,10 @@ static olx_result make_probe(void *user, uint32_t probe) {
   olx_bake_run *b = s->run;
   const double start = olx_seconds();
   OLX_TRY(olx_capture_probe(&b->capture, probe, b->context.probes.light_field.positions[probe]));
+  olx_probe_gathers_begin(&s->gathers, probe);
   OLX_TRY(olx_surface_capture_probe(&b->surfaces, b->context.probes.light_field.flags[probe] & OLX_PROBE_BURIED,
                                     &s->made.surfaces));
+  OLX_TRY(olx_probe_gathers_end(&s->gathers, probe));
   b->stats.capture_seconds += olx_seconds() - start;
   s->made.radiance = b->surfaces.radiance;
   s->made.normal = b->capture.normal;
@@ -493,10 +522,14 @@ static olx_result load_probe(void *user, uint32_t probe, olx_byte_reader *from) 
 
 olx_result olx_bake_probes(olx_bake_run *b) {
   probe_stage s = {.run = b};
-  const olx_unit_stage stage = {"probe",    0,         b->context.probes.light_field.count, &s, make_probe,
-                                save_probe, load_probe};
+  const olx_unit_stage stage = {
+      "probe", 0, b->context.probes.light_field.count, &s, make_probe, save_probe, load_probe, OLX_PARTS_ALL};
   olx_task_stage(&b->context.task, "light field");
+  OLX_TRY(olx_probe_gathers_create(&s.gathers, b));
+  b->surfaces.rows = s.gathers.rows;
   const olx_result result = olx_units_make(b->store, &stage);
+  b->surfaces.rows = NULL;
+  olx_probe_gathers_free(&s.gathers);
   olx_relight_sites_free(&s.made.sites);
   if (result != OLX_OK || !b->context.settings->relight || !b->writer) return result;
   return olx_relight_bake_write(&b->relight, b->writer);

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { UNIT_FORMAT = 1 }; // format of stored units; to be raised whenever it changes
+enum { UNIT_FORMAT = 2 }; // format of stored units; to be raised whenever it changes
 
 // ---- The identity of a bake
 
@@ -88,6 +88,7 @@ static void add_machine(olx_manifest *manifest, const olx_scene *scene) {
 
 olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *settings) {
   olx_manifest manifest = {""};
+  const olx_scene_parts_hash parts = olx_scene_hash_parts(scene);
   olx_byte_writer views = {0}, chosen = {0};
   char format[32];
   snprintf(format, sizeof format, "%d.%d", OLX_FIELD_VERSION, UNIT_FORMAT);
@@ -97,12 +98,16 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add(&manifest, "build", olx_name_build().text);
   add_machine(&manifest, scene);
   olx_manifest_add(&manifest, "capture", settings->raster ? settings->raster->name : "rays");
-  olx_manifest_add_hash(&manifest, "scene", scene->hash);
-  add_hashed(&manifest, "views", &views);
   add_hashed(&manifest, "settings", &chosen);
-  olx_manifest_add(
-      &manifest, "stages",
-      "manifest plan light points cast direct bounce lookup facts volume irradiance classic relight probe");
+  // In the order of the bits in scene_parts.h.
+  olx_manifest_add_hash(&manifest, "geometry", parts.geometry);
+  olx_manifest_add_hash(&manifest, "materials", parts.materials);
+  olx_manifest_add_hash(&manifest, "lights", parts.lights);
+  add_hashed(&manifest, "views", &views);
+  olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
+  olx_manifest_add(&manifest, "stages",
+                   "manifest plan scene light points cast direct bounce lookup facts volume irradiance classic relight "
+                   "gathers probe");
   return manifest;
 }
 
@@ -110,8 +115,8 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
 
 static void report_unit(void *user, const olx_unit_done *unit) {
   const olx_bake_work *work = user;
-  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit,
-                              unit->count,      unit->found,      unit->seconds};
+  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit, unit->count,
+                              unit->found,      unit->seconds,    unit->why};
   work->done(work->user, &done);
 }
 
@@ -138,6 +143,7 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
   const olx_unit_store_settings opening = {.folder = work->folder,
                                            .manifest = &manifest,
                                            .fresh = work->fresh,
+                                           .edited = work->keep && !work->parts,
                                            .limit_bytes = work->limit_bytes,
                                            .part = work->part,
                                            .parts = work->parts,
@@ -147,6 +153,7 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
 }
 
 void olx_bake_work_close(olx_unit_store *store, const olx_bake_work *work, olx_result result) {
+  if (result == OLX_OK && !work->parts) olx_unit_store_tidy(store);
   olx_unit_store_close(store, result == OLX_OK && !work->keep && !work->parts);
 }
 

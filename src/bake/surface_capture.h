@@ -15,6 +15,7 @@
 typedef struct olx_surface_capture {
   olx_capture *capture;         // of the same probe, done before
   const olx_scene_light *light; // NULL: indirect light is the plain reference
+  olx_gather_row *rows;         // one for each row of blocks of texels, to keep gathers; NULL: none are kept
   olx_vec3 *irradiance;         // indirect, where `light` gives it
   float last_bounce;            // share of that light that is one bounce more than radiance holds
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL without probe light

@@ -16,14 +16,24 @@ typedef struct texel_light {
   const olx_capture *capture;
   const olx_scene_light *light;
   olx_vec3 *irradiance;
+  olx_gather_row *rows; // one for each row of blocks; NULL: nothing is kept
 } texel_light;
+
+static olx_gather_row *row_of(const texel_light *t, uint32_t block) {
+  return t->rows ? &t->rows[block / (t->capture->size / OLX_BLOCK_SIDE)] : NULL;
+}
+
+static olx_vec3 light_of(const texel_light *t, uint32_t block, const olx_surface *surface) {
+  olx_vec3 irradiance;
+  if (olx_scene_light_interpolate(t->light, surface, &irradiance)) return irradiance;
+  return olx_scene_light_gather(t->light, surface, row_of(t, block));
+}
 
 static void interpolate(const texel_light *t, uint32_t block, const olx_surface *surface) {
   enum { LAST = OLX_BLOCK_SIDE - 1 };
-  const olx_vec3 corner[4] = {olx_scene_light_irradiance(t->light, &surface[0]),
-                              olx_scene_light_irradiance(t->light, &surface[LAST]),
-                              olx_scene_light_irradiance(t->light, &surface[OLX_BLOCK_SIDE * LAST]),
-                              olx_scene_light_irradiance(t->light, &surface[OLX_BLOCK_TEXELS - 1])};
+  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1};
+  olx_vec3 corner[4];
+  for (uint32_t i = 0; i < 4; i++) corner[i] = light_of(t, block, &surface[texels[i]]);
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
     const float x = (float)(i % OLX_BLOCK_SIDE) / (float)LAST, y = (float)(i / OLX_BLOCK_SIDE) / (float)LAST;
     const olx_vec3 top = olx_mix3(corner[0], corner[1], x), bottom = olx_mix3(corner[2], corner[3], x);
@@ -71,7 +81,7 @@ static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const 
     *irradiance = t->irradiance[olx_block_texel(t->capture, block, found)];
     return;
   }
-  *irradiance = olx_scene_light_gather(t->light, &s->surface[i]);
+  *irradiance = olx_scene_light_gather(t->light, &s->surface[i], row_of(t, block));
   gathered->texels[gathered->count++] = (uint8_t)i;
 }
 
@@ -95,7 +105,8 @@ static void light_row(void *user, uint32_t row) {
   for (uint32_t x = 0; x < blocks; x++) light_block(t, row * blocks + x);
 }
 
-olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_vec3 *irradiance) {
-  texel_light t = {.capture = capture, .light = light, .irradiance = irradiance};
+olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_gather_row *rows,
+                           olx_vec3 *irradiance) {
+  texel_light t = {.capture = capture, .light = light, .irradiance = irradiance, .rows = rows};
   return olx_bake_for(capture->context, capture->size / OLX_BLOCK_SIDE, light_row, &t, 0);
 }

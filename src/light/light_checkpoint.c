@@ -27,7 +27,7 @@ static olx_result take_state(void *user, uint32_t unit, olx_byte_reader *from) {
 }
 
 static olx_unit_stage bounce_of(olx_light_checkpoint *c) {
-  return (olx_unit_stage){"bounce", c->round, 1, c, NULL, put_state, take_state};
+  return (olx_unit_stage){"bounce", c->round, 1, c, NULL, put_state, take_state, OLX_PARTS_ALL};
 }
 
 // Loads a checkpoint; a damaged one is ignored.
@@ -36,7 +36,7 @@ static void load_bounce(void *user, olx_bounce_state *state) {
   olx_unit_store *store = c->light->settings.store;
   const olx_unit_stage stage = bounce_of(c);
   c->state = *state;
-  if (olx_units_have(store, "bounce", c->round) && olx_units_load(store, &stage) == OLX_OK) *state = c->state;
+  if (olx_units_have(store, &stage) && olx_units_load(store, &stage) == OLX_OK) *state = c->state;
 }
 
 static olx_result save_bounce(void *user, const olx_bounce_state *state) {

@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "light/light_bounces.h"
 #include "light/surfel_lookup.h"
+#include "scene/scene_parts.h"
 #include "work/unit_store.h"
 
 typedef struct olx_scene_light olx_scene_light;
@@ -18,6 +19,8 @@ typedef struct olx_scene_light_settings {
   uint32_t seed;     // seed of random numbers
   uint32_t threads;  // 0: one per processor
   olx_task *task;    // may be NULL
+  bool keep_rays;    // store what rays depend on, and reuse those of another scene that hold; needs a store
+  olx_scene_inputs inputs; // hashes of what rays depend on, with keep_rays
   olx_unit_store *store;   // store of the bake that the light belongs to; NULL: nothing is stored
   const char *link_folder; // where links are kept in files, to save memory; NULL: in memory
 } olx_scene_light_settings;
@@ -26,6 +29,7 @@ typedef struct olx_scene_light_settings {
 typedef struct olx_scene_light_report {
   uint32_t surfels, hidden_surfels; // all surfels, and those on surfaces that rays hit and no probe sees
   uint32_t bounces;                 // number of times that light was propagated over the links
+  uint64_t reused_rays;             // those of `rays` that a work folder had from before an edit of the scene
   uint64_t rays, links, bytes;      // all rays; links; memory of links and surfels
   double noise;       // standard error of interpolated irradiance over irradiance, RMS over visible surfels
   double last_bounce; // share of visible surfels' indirect light that has `bounces` surfaces on its way

@@ -54,6 +54,7 @@ struct olx_scene_light {
   uint32_t first_rays; // rays of each surfel in the first round
   olx_surfel_lookup lookup;
   olx_scene_light_report report;
+  atomic_uint_fast64_t reused_rays; // rays that were not cast, because they were for another scene and still hold
 };
 
 // Most links in memory; beyond it, surfels get fewer rays.

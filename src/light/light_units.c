@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "light/kept_rays.h"
 #include "light/light_steps.h"
 #include "light/link_batch.h"
 
@@ -20,6 +21,9 @@ typedef struct cast_stage {
   uint64_t rays;        // rays that it cast
   olx_point_list found; // its ray ends without a surfel
   bool owns_links;      // whether `part` owns its links
+  uint64_t surfels_hash;
+  olx_kept_rays kept;     // of the latest unit
+  olx_former_rays former; // rays of the round for another scene
 } cast_stage;
 
 // A part of a batch.
@@ -59,6 +63,7 @@ static void release_part(cast_stage *c) {
   if (c->owns_links) olx_link_batch_release(&c->part);
   else olx_link_batch_rest(&c->part, 0, c->part.count);
   olx_release(c->found.points);
+  olx_kept_rays_free(&c->kept);
   c->owns_links = false;
   c->found = (olx_point_list){0};
 }
@@ -100,7 +105,10 @@ static olx_result cast_unit(void *user, uint32_t unit) {
   olx_scene_light *l = c->light;
   const batch_part p = part_of(c, unit);
   OLX_TRY(begin_part(c, &p));
-  OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &c->rays));
+  if (l->settings.keep_rays) OLX_TRY(olx_kept_rays_create(&c->kept, &c->part));
+  const olx_cast_keeping keeping = {l->settings.keep_rays ? &c->kept : NULL, &c->former, &l->reused_rays};
+  OLX_TRY(olx_links_cast(&l->surfels, &c->part, l->links.fixed, lists_unserved(c->round) ? &c->found : NULL, &keeping,
+                         &c->rays));
   if (olx_unit_store_is_part(l->settings.store)) return OLX_OK; // whoever settles the round loads all of its units
   l->report.rays += c->rays;
   return append_points(&l->unserved, c->found.points, c->found.count);
@@ -110,6 +118,7 @@ static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const cast_stage *c = user;
   const size_t links = (size_t)c->part.count * c->part.rays;
+  olx_kept_rays_save(&c->kept, &c->part, c->surfels_hash, &c->light->settings.inputs, to);
   olx_bytes_put(to, &c->rays, 1, sizeof c->rays);
   olx_bytes_put(to, c->part.links, links, sizeof *c->part.links);
   if (c->part.fixed) olx_bytes_put(to, c->part.fixed, links, sizeof *c->part.fixed);
@@ -142,6 +151,7 @@ static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
   const batch_part p = part_of(c, unit);
   const size_t offset = (size_t)p.first * p.batch->rays, links = (size_t)p.count * p.batch->rays;
   uint64_t rays = 0;
+  olx_kept_rays_skip(from);
   olx_bytes_copy(from, &rays, 1, sizeof rays);
   olx_bytes_copy(from, p.batch->links + offset, links, sizeof *p.batch->links);
   if (!p.batch->guide) olx_bytes_copy(from, p.batch->fixed + offset, links, sizeof *p.batch->fixed);
@@ -150,7 +160,7 @@ static olx_result load_cast(void *user, uint32_t unit, olx_byte_reader *from) {
 }
 
 static olx_unit_stage stage_of(cast_stage *c) {
-  olx_unit_stage stage = {"cast", c->round, 0, c, cast_unit, save_cast, load_cast};
+  olx_unit_stage stage = {"cast", c->round, 0, c, cast_unit, save_cast, load_cast, OLX_PARTS_ALL};
   for (uint32_t k = 0; k < c->light->links.batch_count; k++) {
     if (c->light->rounds_of[k] == c->round) stage.count += units_of(&c->light->batches[k]);
   }
@@ -170,7 +180,21 @@ static olx_result cast_whole(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     if (l->rounds_of[k] != l->round) continue;
     olx_point_list *unserved = lists_unserved(l->round) ? &l->unserved : NULL;
-    OLX_TRY(olx_links_cast(&l->surfels, &l->batches[k], l->links.fixed, unserved, &l->report.rays));
+    OLX_TRY(olx_links_cast(&l->surfels, &l->batches[k], l->links.fixed, unserved, NULL, &l->report.rays));
+  }
+  return OLX_OK;
+}
+
+// Reads the rays of the round that were cast for another scene.
+static olx_result read_former(cast_stage *c, const olx_unit_stage *stage) {
+  olx_scene_light *l = c->light;
+  void *data;
+  size_t size_bytes;
+  if (!l->settings.keep_rays) return OLX_OK;
+  c->surfels_hash = olx_surfels_hash(&l->surfels);
+  for (uint32_t unit = 0; olx_units_read_stale(l->settings.store, stage, unit, &data, &size_bytes); unit++) {
+    if (!data) continue;
+    OLX_TRY(olx_former_rays_add(&c->former, data, size_bytes, l->surfels.count, c->surfels_hash, &l->settings.inputs));
   }
   return OLX_OK;
 }
@@ -181,8 +205,10 @@ static olx_result cast_round(olx_scene_light *l) {
   if (!olx_unit_store_is_part(store)) OLX_TRY(make_room(l, l->round));
   if (!store) return cast_whole(l);
   const olx_unit_stage stage = stage_of(&c);
-  const olx_result result = olx_units_make(store, &stage);
+  olx_result result = read_former(&c, &stage);
+  if (result == OLX_OK) result = olx_units_make(store, &stage);
   release_part(&c);
+  olx_former_rays_free(&c.former);
   return result;
 }
 
@@ -192,6 +218,10 @@ typedef struct point_stage {
   olx_scene_light *light;
   uint32_t round;
 } point_stage;
+
+// Returns the parts of the scene that the result of a step depends on: the first one is where the surfaces are that
+// probes see, and the distances between them.
+static olx_scene_parts parts_of_step(uint32_t step) { return step == 0 ? OLX_PART_GEOMETRY : OLX_PARTS_ALL; }
 
 static uint32_t first_point(const point_stage *p) { return p->round ? p->light->point_ends[p->round - 1] : 0; }
 
@@ -213,7 +243,7 @@ static olx_result load_points(void *user, uint32_t unit, olx_byte_reader *from) 
 }
 
 static olx_unit_stage points_of(point_stage *p) {
-  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points};
+  return (olx_unit_stage){"points", p->round, 1, p, NULL, save_points, load_points, parts_of_step(p->round)};
 }
 
 // Stores the surface points that the last exploring step added.
@@ -286,7 +316,7 @@ static olx_result load_direct(void *user, uint32_t unit, olx_byte_reader *from) 
 
 static olx_unit_stage direct_of(direct_stage *d) {
   const uint32_t units = (d->light->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
-  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct};
+  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct, OLX_PARTS_ALL};
 }
 
 static olx_result make_direct(olx_scene_light *l) {
@@ -485,8 +515,8 @@ static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) 
 // Builds the lookup, or loads it; a damaged one is rebuilt.
 olx_result olx_light_units_look_up(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
-  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup};
-  if (olx_units_have(store, stage.name, 0)) {
+  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
+  if (olx_units_have(store, &stage)) {
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
   }
@@ -589,20 +619,23 @@ static olx_result make_next(void *user, uint32_t unit) {
 }
 
 static olx_unit_stage step_of(olx_scene_light *l, uint32_t step) {
-  return (olx_unit_stage){"light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step};
+  return (olx_unit_stage){
+      "light", step, 1, l, step == 0 ? make_first : make_next, save_step, load_step, parts_of_step(step)};
 }
 
 // Returns the last stored step; 0 when there is none.
-static uint32_t last_stored(const olx_unit_store *store) {
-  uint32_t step = OLX_LIGHT_MOST_STEPS;
-  while (step > 0 && !olx_units_have(store, "light", step)) step--;
-  return step;
+static uint32_t last_stored(olx_scene_light *l) {
+  for (uint32_t step = OLX_LIGHT_MOST_STEPS; step > 0; step--) {
+    const olx_unit_stage stage = step_of(l, step);
+    if (olx_units_have(l->settings.store, &stage)) return step;
+  }
+  return 0;
 }
 
 // Loads the last stored step that is undamaged, or computes the first.
 static olx_result resume(olx_scene_light *l, uint32_t *step) {
   olx_unit_store *store = l->settings.store;
-  for (*step = last_stored(store); *step > 0; *step = last_stored(store)) {
+  for (*step = last_stored(l); *step > 0; *step = last_stored(l)) {
     const olx_unit_stage stage = step_of(l, *step);
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
@@ -617,7 +650,7 @@ static olx_result run_steps(olx_scene_light *l) {
   OLX_TRY(resume(l, &step));
   while (l->phase != OLX_LIGHT_FINISHED) {
     const olx_unit_stage next = step_of(l, ++step);
-    if (!olx_units_have(store, "light", step)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
+    if (!olx_units_have(store, &next)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
     OLX_TRY(olx_unit_once(store, &next));
   }
   return OLX_OK;

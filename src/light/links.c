@@ -1,20 +1,25 @@
 // Casts the rays of surfels and follows each, through specular reflections, to the surfel whose light it carries.
 #include "light/links.h"
 
+#include "core/chunk_file.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/direct_light.h"
+#include "light/kept_rays.h"
 #include "light/link_batch.h"
 #include "scene/bvh.h"
 
-enum { SURFELS_PER_JOB = 8, PACKET = 64, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
+enum { SURFELS_PER_JOB = 8, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 
 // What one ray brings.
 typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
+  uint64_t needs; // slots of olx_scene_inputs that it depends on
+  uint64_t cast;  // rays cast for it
+  bool known;     // it need not be cast
 } ray_end;
 
 typedef struct cast_job {
@@ -23,6 +28,7 @@ typedef struct cast_job {
   olx_fixed_light *fixed;
   olx_point_list *lists; // one per job, or NULL
   uint64_t *rays;        // one per job
+  olx_cast_keeping keeping;
   atomic_bool out_of_memory;
 } cast_job;
 
@@ -83,6 +89,8 @@ typedef struct way {
   olx_sampler sampler;
 } way;
 
+static const uint64_t lights_needed = UINT64_C(1) << OLX_INPUT_LIGHTS;
+
 // Adds light after `surfaces` surfaces between its emitter and the start of the path.
 static void add_light(ray_end *end, uint32_t surfaces, olx_vec3 light) {
   if (surfaces > 0) end->fixed[surfaces - 1] = olx_add(end->fixed[surfaces - 1], light);
@@ -102,6 +110,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
                           uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   w->throughput = olx_scale(w->throughput, 1.0f / share);
+  end->needs |= lights_needed;
   const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
   w->lobe = olx_lobe_ray_specular(shading, olx_sampler_next2(&w->sampler));
@@ -116,6 +125,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
 // indirect light.
 static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                          uint64_t *rays) {
+  end->needs |= lights_needed;
   const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   end->link = no_link;
@@ -136,6 +146,7 @@ static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_v
   end->link = link_to(c, surface, &w->hit, weight, w->chain, w->distance, end);
   if (is_unserved(end)) return c->lists;
   if (!(end->link.end & OLX_LINK_LIT) || !olx_link_brings_light(&end->link)) return true;
+  end->needs |= lights_needed;
   const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   return true;
@@ -147,10 +158,12 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   while (w->chain < OLX_CHAIN_MOST) {
     if (w->hit.triangle == OLX_NO_HIT) {
+      end->needs |= lights_needed;
       if (!w->lit) add_light(end, w->chain, olx_mul(w->throughput, olx_sky_found(scene, &w->lobe)));
       return;
     }
     const olx_surface surface = olx_surface_at(scene, &w->hit, w->lobe.direction);
+    end->needs |= olx_input_of_material(surface.material) | (olx_max3(surface.emission) > 0.0f ? lights_needed : 0);
     if (!w->lit) {
       add_light(end, w->chain, olx_mul(w->throughput, olx_emission_found(scene, &surface, w->origin, &w->lobe)));
     }
@@ -198,19 +211,26 @@ static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   return luminance;
 }
 
-// Casts up to PACKET rays of a surface, from index `first` on, and records what each brings.
+// Casts up to OLX_LINK_PACKET rays of a surface, from index `first` on, but for those whose ends are known, and records
+// what each brings. A ray's hit does not depend on which other rays are cast with it.
 static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
-                        ray_end *ends, uint64_t *cast) {
-  olx_ray rays[PACKET] = {0};
-  olx_ray_hit hits[PACKET];
-  bool valid[PACKET];
-  float factors[PACKET];
+                        ray_end *ends) {
+  olx_ray rays[OLX_LINK_PACKET] = {0};
+  olx_ray_hit hits[OLX_LINK_PACKET];
+  bool valid[OLX_LINK_PACKET];
+  float factors[OLX_LINK_PACKET];
   const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN);
-  for (uint32_t i = 0; i < count; i++) valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
-  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
-  *cast += count;
+  uint32_t known = 0;
+  for (uint32_t i = 0; i < count; i++) known += ends[i].known;
+  if (known == count) return;
   for (uint32_t i = 0; i < count; i++) {
-    ends[i] = (ray_end){.link = no_link};
+    valid[i] = make_ray(surface, plan, first + i, &rays[i], &factors[i]);
+    if (ends[i].known) rays[i].t_max = -1.0f;
+  }
+  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, count, false, hits);
+  for (uint32_t i = 0; i < count; i++) {
+    if (ends[i].known) continue;
+    ends[i] = (ray_end){.link = no_link, .cast = 1};
     if (!valid[i]) continue;
     way w = {.lobe = {.direction = rays[i].direction},
              .origin = rays[i].origin,
@@ -218,7 +238,7 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
              .hit = hits[i],
              .distance = hits[i].t,
              .sampler = {.seed = chain_seed, .index = first + i}};
-    follow(c, &w, &ends[i], cast);
+    follow(c, &w, &ends[i], &ends[i].cast);
   }
 }
 
@@ -251,6 +271,42 @@ static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch,
                     .seed = seed_of(s, surfel)};
 }
 
+// Returns a hash of everything that the rays of a surfel are drawn from, but for the surfel itself.
+static uint64_t check_of(const cast_job *c, const ray_plan *plan) {
+  if (!c->keeping.kept) return 0;
+  const uint64_t numbers[] = {plan->pool ? olx_content_hash(plan->pool, sizeof *plan->pool) : 0,
+                              (uint64_t)plan->seed << 1 | (c->lists != NULL)};
+  return olx_content_hash(numbers, sizeof numbers);
+}
+
+static uint64_t check_of_packet(uint64_t check, uint32_t first, uint32_t count) {
+  const uint64_t numbers[] = {check, (uint64_t)first << 32 | count};
+  return olx_content_hash(numbers, sizeof numbers);
+}
+
+// Fills in the ends of the packet's rays that were cast for another scene and still hold.
+static void take_former(const cast_job *c, uint32_t surfel, uint32_t packet, uint64_t check, uint32_t count,
+                        ray_end *ends) {
+  olx_former_packet former = olx_former_rays_find(c->keeping.former, surfel, packet, check);
+  uint64_t reused = 0;
+  for (uint32_t i = 0; former.unit && i < count; i++) {
+    const olx_former_ray ray = olx_former_packet_next(&former);
+    if (!ray.holds) continue;
+    ends[i] = (ray_end){.link = ray.link, .needs = ray.kept.needs, .cast = ray.kept.cast, .known = true};
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ends[i].fixed[k] = ray.kept.fixed[k];
+    if (is_unserved(&ends[i])) ends[i].point = *ray.point;
+    reused += ray.kept.cast;
+  }
+  if (reused) atomic_fetch_add_explicit(c->keeping.reused, reused, memory_order_relaxed);
+}
+
+static void keep_end(const cast_job *c, size_t at, const ray_end *end) {
+  olx_kept_ray *ray = &c->keeping.kept->rays[at];
+  ray->needs = end->needs;
+  ray->cast = (uint32_t)end->cast;
+  for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ray->fixed[k] = end->fixed[k];
+}
+
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->surfels;
   olx_link_batch *batch = c->batch;
@@ -258,16 +314,27 @@ static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
   const ray_plan plan = plan_of(s, batch, number);
-  for (uint32_t first = 0; first < batch->rays; first += PACKET) {
-    const uint32_t count = batch->rays - first < PACKET ? batch->rays - first : PACKET;
-    ray_end ends[PACKET];
-    cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends, &c->rays[job]);
+  const uint64_t check = check_of(c, &plan);
+  const uint32_t packets = (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
+  for (uint32_t k = 0; k < packets; k++) {
+    const uint32_t first = k * OLX_LINK_PACKET, left = batch->rays - first;
+    const uint32_t count = left < OLX_LINK_PACKET ? left : OLX_LINK_PACKET;
+    ray_end ends[OLX_LINK_PACKET];
+    for (uint32_t i = 0; i < count; i++) ends[i] = (ray_end){.link = no_link};
+    if (c->keeping.kept) {
+      const uint64_t own = check_of_packet(check, batch->first_ray + first, count);
+      c->keeping.kept->checks[(size_t)n * packets + k] = own;
+      take_former(c, number, k, own, count, ends);
+    }
+    cast_packet(c, &surface, &plan, batch->first_ray + first, count, ends);
     for (uint32_t i = 0; i < count; i++) {
       const size_t at = (size_t)n * batch->rays + first + i;
       batch->links[at] = ends[i].link;
       const float fixed = add_fixed(&c->fixed[number], &ends[i]);
       if (batch->fixed) batch->fixed[at] = fixed;
       if (c->lists && is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
+      c->rays[job] += ends[i].cast;
+      if (c->keeping.kept) keep_end(c, at, &ends[i]);
     }
   }
 }
@@ -284,19 +351,73 @@ static olx_vec3 gathered(const ray_end *end, const olx_passed_light *light) {
   return luminance > light->most ? olx_scale(sum, light->most / luminance) : sum;
 }
 
+// Returns a hash of everything that the rays of a gather are drawn from.
+static uint64_t check_of_gather(const olx_surface *surface, const ray_plan *plan) {
+  const uint64_t numbers[] = {plan->pool ? olx_content_hash(plan->pool, sizeof *plan->pool) : 0,
+                              (uint64_t)surface->triangle << 32 | plan->seed};
+  const olx_vec3 place[] = {surface->position, surface->geometric_normal, surface->shading_normal,
+                            olx_splat(surface->epsilon)};
+  const uint64_t hashes[] = {olx_content_hash(numbers, sizeof numbers), olx_content_hash(place, sizeof place)};
+  return olx_content_hash(hashes, sizeof hashes);
+}
+
+// Fills in the ends of rays that were cast for another scene and still hold.
+static void take_gather(olx_gather_row *row, uint64_t check, ray_end ends[OLX_GATHER_RAYS]) {
+  olx_kept_gather former;
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) ends[i] = (ray_end){.link = no_link};
+  if (!row || !olx_gather_row_find(row, check, &former)) return;
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
+    if (former.kinds[i] >= former.needs_count || former.needs[former.kinds[i]] & row->changed) continue;
+    ends[i] = (ray_end){.link = former.links[i], .needs = former.needs[former.kinds[i]], .known = true};
+    row->reused++;
+  }
+  for (uint32_t i = 0; i < former.light_count; i++) {
+    const olx_gather_light *light = &former.lights[i];
+    if (light->ray < OLX_GATHER_RAYS && light->surfaces < OLX_CHAIN_MOST && ends[light->ray].known) {
+      ends[light->ray].fixed[light->surfaces] = light->light;
+    }
+  }
+}
+
+static uint8_t kind_of(uint64_t needs[OLX_GATHER_RAYS], uint32_t *count, uint64_t wanted) {
+  uint32_t i = 0;
+  while (i < *count && needs[i] != wanted) i++;
+  if (i == *count) needs[(*count)++] = wanted;
+  return (uint8_t)i;
+}
+
+static void keep_gather(olx_gather_row *row, uint64_t check, const ray_end ends[OLX_GATHER_RAYS]) {
+  olx_link links[OLX_GATHER_RAYS];
+  uint64_t needs[OLX_GATHER_RAYS];
+  uint8_t kinds[OLX_GATHER_RAYS];
+  olx_gather_light lights[OLX_GATHER_RAYS * OLX_CHAIN_MOST];
+  olx_kept_gather kept = {.links = links, .needs = needs, .kinds = kinds, .lights = lights};
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
+    links[i] = ends[i].link;
+    kinds[i] = kind_of(needs, &kept.needs_count, ends[i].needs);
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
+      const olx_vec3 light = ends[i].fixed[k];
+      if (olx_max3(light) == 0.0f) continue;
+      lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
+    }
+  }
+  olx_gather_row_keep(row, check, &kept);
+}
+
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                          uint32_t seed, uint32_t rays, const olx_passed_light *light) {
+                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row) {
   cast_job c = {.surfels = surfels};
   const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
+  const uint64_t check = row ? check_of_gather(surface, &plan) : 0;
+  ray_end ends[OLX_GATHER_RAYS];
   olx_vec3 sum = {0};
-  uint64_t cast = 0;
-  for (uint32_t first = 0; first < rays; first += PACKET) {
-    const uint32_t count = rays - first < PACKET ? rays - first : PACKET;
-    ray_end ends[PACKET];
-    cast_packet(&c, surface, &plan, first, count, ends, &cast);
-    for (uint32_t i = 0; i < count; i++) sum = olx_add(sum, gathered(&ends[i], light));
+  take_gather(row, check, ends);
+  for (uint32_t first = 0; first < OLX_GATHER_RAYS; first += OLX_LINK_PACKET) {
+    cast_packet(&c, surface, &plan, first, OLX_LINK_PACKET, ends + first);
   }
-  return olx_scale(sum, 1.0f / (float)rays);
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) sum = olx_add(sum, gathered(&ends[i], light));
+  if (row) keep_gather(row, check, ends);
+  return olx_scale(sum, 1.0f / OLX_GATHER_RAYS);
 }
 
 static void cast_some(void *user, uint32_t job) {
@@ -320,13 +441,14 @@ static olx_result join_lists(const olx_point_list *lists, uint32_t jobs, olx_poi
 }
 
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
-                          olx_point_list *unserved, uint64_t *rays) {
+                          olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays) {
   const uint32_t jobs = (batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   cast_job c = {.surfels = surfels,
                 .batch = batch,
                 .fixed = fixed,
                 .lists = unserved ? olx_allocate_zero(jobs, sizeof *c.lists) : NULL,
                 .rays = olx_allocate_zero(jobs, sizeof *c.rays)};
+  if (keeping) c.keeping = *keeping;
   olx_result result = OLX_OK;
   if (!c.rays || (unserved && !c.lists)) result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for casting rays");
   if (result == OLX_OK) result = olx_parallel_for(jobs, surfels->threads, cast_some, &c, surfels->task, 0);

@@ -7,28 +7,8 @@
 #define OLX_LIGHT_LINKS_H
 
 #include "core/pack.h"
+#include "light/kept_gathers.h"
 #include "light/link_batch.h"
-
-enum {
-  OLX_CHAIN_MOST = 4,        // surfaces that may pass a ray on before it is dropped
-  OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
-  OLX_LINK_CHAIN_MASK = 3
-};
-
-// Flag in `end`: the ray itself found the direct light at its end, and the link does not carry it.
-#define OLX_LINK_LIT (1u << 31)
-
-#define OLX_LINK_NOWHERE                                                                                               \
-  ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, only emission, or a black surface
-#define OLX_LINK_UNSERVED (OLX_LINK_NOWHERE - 1) // the ray hit a surface for which surfels will be added
-
-// Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
-// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They
-// are sums over rays of radiance times pi.
-typedef struct olx_fixed_light {
-  olx_vec3 sum[OLX_CHAIN_MOST];
-  float square; // sum over rays of the squared luminance
-} olx_fixed_light;
 
 // Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
 // OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
@@ -38,8 +18,16 @@ typedef struct olx_point_list {
   uint32_t count, capacity;
 } olx_point_list;
 
+// What a work folder knows of rays (kept_rays.h).
+typedef struct olx_cast_keeping {
+  struct olx_kept_rays *kept;           // receives what each ray depends on; NULL: not wanted
+  const struct olx_former_rays *former; // rays for another scene, which are not cast again where they hold; or NULL
+  atomic_uint_fast64_t *reused;         // counts those rays; NULL without `kept`
+} olx_cast_keeping;
+
+// keeping may be NULL. *rays counts all rays, with those that were not cast again.
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
-                          olx_point_list *unserved, uint64_t *rays);
+                          olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
 
 // Continues the ray of link `i` of a batch, which ends at a surface without a surfel, by a cosine-distributed ray from
 // there.
@@ -57,17 +45,16 @@ typedef struct olx_passed_light {
   float most; // bound on luminance times pi of a gathered ray: rare bright hits would leave blotches
 } olx_passed_light;
 
-// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from `rays` rays of its own. They
-// are drawn by a pool's density, or evenly when that is NULL.
+// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from OLX_GATHER_RAYS rays of its
+// own. They are drawn by a pool's density, or evenly when that is NULL. `row` keeps what they find; it may be NULL.
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                          uint32_t seed, uint32_t rays, const olx_passed_light *light);
+                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row);
 
 // Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {
   return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
 }
 
-static inline uint32_t olx_link_end(const olx_link *link) { return link->end & OLX_LINK_NOWHERE; }
 static inline uint32_t olx_link_chain(const olx_link *link) {
   return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
 }
@@ -81,11 +68,6 @@ static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *dire
   const uint32_t end = olx_link_end(link);
   const olx_vec3 light = link->end & OLX_LINK_LIT ? irradiance[end] : olx_add(direct[end], irradiance[end]);
   return olx_mul(olx_rgb9e5_unpack(link->weight), light);
-}
-
-// Returns the n-th surfel of a batch.
-static inline uint32_t olx_link_surfel(const olx_link_batch *batch, uint32_t n) {
-  return batch->surfels ? batch->surfels[n] : batch->first_surfel + n;
 }
 
 #endif

@@ -91,6 +91,10 @@ static float spread_of(const olx_ray_pool *pool, const float squares[OLX_GUIDE_B
   return olx_clamp((guided - mean * mean) / (even - mean * mean), LEAST_SPREAD, 1.0f);
 }
 
+// Rounds to a power of the square root of two. A learnt number then stays the same when the light changes slightly, and
+// so do the rays that are drawn by it: they need not be cast again after an edit of the scene.
+static float coarse(float x) { return exp2f(0.5f * roundf(2.0f * log2f(x))); }
+
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums) {
   for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) pool->density[i] = 1.0f;
   pool->spread = 1.0f;
@@ -102,8 +106,13 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums) {
     total += pool->density[i];
   }
   const float scale = (1.0f - LEAST_DENSITY) * OLX_GUIDE_BINS / total;
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) pool->density[i] = LEAST_DENSITY + scale * pool->density[i];
-  pool->spread = spread_of(pool, squares, (float)(sums->light / sums->count));
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    pool->density[i] = coarse(LEAST_DENSITY + scale * pool->density[i]);
+    sum += pool->density[i];
+  }
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) pool->density[i] *= OLX_GUIDE_BINS / sum;
+  pool->spread = olx_min(coarse(spread_of(pool, squares, (float)(sums->light / sums->count))), 1.0f);
 }
 
 // Finds where the running sum of `values` reaches a share of the total: the index, and the position within it.

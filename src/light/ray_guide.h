@@ -2,8 +2,9 @@
 //
 // The surfels of a larger cell learn together. A ray is generated from a point of the unit square (olx_sample_cosine).
 // The square is divided into bins, and the density of further rays in each bin is proportional to the root mean square
-// of what rays there brought, which minimizes variance (Vorba et al. 2014 learn a finer density). No bin gets less than
-// a quarter of its share.
+// of what rays there brought, which minimizes variance (Vorba et al. 2014 learn a finer density). No bin gets much
+// less than a quarter of its share. Densities are rounded to powers of the square root of two before they are scaled to
+// a mean of 1.
 #ifndef OLX_LIGHT_RAY_GUIDE_H
 #define OLX_LIGHT_RAY_GUIDE_H
 

@@ -5,13 +5,13 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "light/kept_rays.h"
 #include "light/light_steps.h"
 #include "light/light_units.h"
 
 enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
-  GATHERED_RAYS = 256,  // rays of such a point
   SALT_GATHER = 0x47415448
 };
 
@@ -79,22 +79,29 @@ void olx_scene_light_free(olx_scene_light *l) {
 
 olx_result olx_scene_light_load_links(olx_scene_light *l) { return olx_light_units_load_links(l); }
 
+uint64_t olx_scene_light_surfels_hash(const olx_scene_light *l) { return olx_surfels_hash(&l->surfels); }
+
 uint32_t olx_scene_light_bounces(const olx_scene_light *l) { return l->settings.bounces; }
 
-olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) { return light->report; }
+olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) {
+  olx_scene_light_report report = light->report;
+  report.reused_rays = atomic_load(&light->reused_rays);
+  return report;
+}
 
 olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
   return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
 }
 
-olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface) {
+olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces, MOST_OF_A_RAY * GATHERED_RAYS * around};
-  return olx_links_gather(&l->surfels, surface, pool, seed, GATHERED_RAYS, &light);
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces,
+                                  MOST_OF_A_RAY * OLX_GATHER_RAYS * around};
+  return olx_links_gather(&l->surfels, surface, pool, seed, &light, row);
 }
 
 // Returns whether light varies too much between the neighbours to be interpolated.
@@ -139,7 +146,7 @@ bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *su
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
   olx_vec3 irradiance;
-  return olx_scene_light_interpolate(l, surface, &irradiance) ? irradiance : olx_scene_light_gather(l, surface);
+  return olx_scene_light_interpolate(l, surface, &irradiance) ? irradiance : olx_scene_light_gather(l, surface, NULL);
 }
 
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *l, const olx_surface *surface) {

@@ -6,6 +6,7 @@
 #ifndef OLX_LIGHT_SCENE_LIGHT_H
 #define OLX_LIGHT_SCENE_LIGHT_H
 
+#include "light/kept_gathers.h"
 #include "light/light_settings.h"
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
@@ -33,13 +34,17 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
 // The two methods of olx_scene_light_irradiance. Interpolation returns false where surfels do not determine the light
-// of the point; a gather casts 256 rays, which takes about fifty times as long.
+// of the point; a gather casts 256 rays, which takes about fifty times as long. `row` keeps what they find; it may be
+// NULL.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
-olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface);
+olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface, olx_gather_row *row);
 
 // Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. Together with the surface's direct
 // light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
+
+// Returns a hash of the surfels: rays for another scene hold only where it is the same.
+uint64_t olx_scene_light_surfels_hash(const olx_scene_light *light);
 
 // Loads links and points into memory, where the solution was loaded without them. Returns OLX_ERROR_INCOMPLETE when
 // some were damaged: the next run that solves the light recomputes them.

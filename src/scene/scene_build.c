@@ -5,15 +5,13 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/lights.h"
+#include "scene/scene_parts.h"
 #include "scene/sources.h"
 
 #include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 // Returns the capacity of an array: the next power of two of its count, so that capacities need not be stored.
 static uint64_t capacity_for(uint64_t count) {
@@ -322,76 +320,11 @@ static olx_result count_area_lights(olx_scene *scene) {
   return OLX_OK;
 }
 
-static void hash_material(XXH3_state_t *state, const olx_material *m) {
-  const float numbers[] = {m->base_color.x, m->base_color.y, m->base_color.z, m->metallic,
-                           m->roughness,    m->emission.x,   m->emission.y,   m->emission.z,
-                           m->alpha,        m->alpha_cutoff, m->normal_scale, m->specular_weight};
-  const uint32_t words[] = {m->base_color_texture,
-                            m->alpha_texture,
-                            m->metallic_roughness_texture,
-                            m->emission_texture,
-                            m->normal_texture,
-                            (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
-                                (m->vertex_colors ? 4u : 0u) | (m->specular_in_alpha ? 8u : 0u) | m->second_uvs << 8};
-  XXH3_64bits_update(state, numbers, sizeof numbers);
-  XXH3_64bits_update(state, words, sizeof words);
-}
-
-static void hash_light(XXH3_state_t *state, const olx_light *l) {
-  const float numbers[] = {l->position.x, l->position.y, l->position.z, l->direction.x,  l->direction.y, l->direction.z,
-                           l->emission.x, l->emission.y, l->emission.z, l->cosine_inner, l->cosine_outer};
-  const uint32_t type = l->type;
-  XXH3_64bits_update(state, &type, sizeof type);
-  XXH3_64bits_update(state, numbers, sizeof numbers);
-}
-
-static void hash_environment(XXH3_state_t *state, const olx_environment *e) {
-  const float numbers[] = {e->radiance.x, e->radiance.y, e->radiance.z, e->rotation_radians};
-  XXH3_64bits_update(state, numbers, sizeof numbers);
-  XXH3_64bits_update(state, &e->width, sizeof e->width);
-  XXH3_64bits_update(state, &e->height, sizeof e->height);
-  if (e->texels) XXH3_64bits_update(state, e->texels, (size_t)e->width * e->height * 3 * sizeof(float));
-}
-
-// Hashes attributes that few scenes have.
-static void hash_rare(XXH3_state_t *state, const olx_scene *scene) {
-  const size_t count = scene->vertex_count;
-  if (scene->second_uvs) XXH3_64bits_update(state, scene->second_uvs, count * sizeof *scene->second_uvs);
-  if (scene->colors) XXH3_64bits_update(state, scene->colors, count * sizeof *scene->colors);
-  if (scene->tangents) XXH3_64bits_update(state, scene->tangents, count * sizeof *scene->tangents);
-}
-
-// Computes the hash of everything that affects light in the scene; names, cameras and probes do not.
-static void compute_hash(olx_scene *scene) {
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  const uint32_t counts[] = {scene->vertex_count, scene->triangle_count, scene->material_count, scene->texture_count,
-                             scene->light_count};
-  XXH3_64bits_update(&state, counts, sizeof counts);
-  XXH3_64bits_update(&state, scene->positions, scene->vertex_count * sizeof *scene->positions);
-  XXH3_64bits_update(&state, scene->normals, scene->vertex_count * sizeof *scene->normals);
-  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
-  hash_rare(&state, scene);
-  XXH3_64bits_update(&state, scene->indices, (size_t)scene->triangle_count * 3 * sizeof *scene->indices);
-  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
-  for (uint32_t i = 0; i < scene->material_count; ++i) hash_material(&state, &scene->materials[i]);
-  for (uint32_t i = 0; i < scene->texture_count; ++i) {
-    const olx_texture *texture = &scene->textures[i];
-    const uint32_t words[] = {texture->width, texture->height, texture->srgb ? 1u : 0u};
-    XXH3_64bits_update(&state, words, sizeof words);
-    XXH3_64bits_update(&state, texture->texels, (size_t)texture->width * texture->height * 4);
-  }
-  for (uint32_t i = 0; i < scene->light_count; ++i) hash_light(&state, &scene->lights[i]);
-  if (olx_scene_is_far(scene)) XXH3_64bits_update(&state, scene->origin, sizeof scene->origin);
-  hash_environment(&state, &scene->environment);
-  scene->hash = XXH3_64bits_digest(&state);
-}
-
 olx_result olx_scene_summarize(olx_scene *scene) {
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "the scene has no triangles");
   compute_bounds(scene);
   OLX_TRY(count_area_lights(scene));
-  compute_hash(scene);
+  scene->hash = olx_scene_hash(scene);
   return OLX_OK;
 }
 

@@ -19,7 +19,8 @@ struct olx_unit_store {
 static olx_result open_folder(olx_unit_store *s) {
   const olx_work_folder_settings settings = {.manifest = s->joins ? NULL : &s->manifest,
                                              .lock = s->settings.parts ? OLX_WORK_SHARED : OLX_WORK_ALONE,
-                                             .fresh = s->settings.fresh};
+                                             .fresh = s->settings.fresh,
+                                             .edited = s->settings.edited};
   return olx_work_folder_open(s->path, &settings, &s->folder);
 }
 
@@ -40,6 +41,10 @@ olx_result olx_unit_store_open(const olx_unit_store_settings *settings, olx_unit
   return result;
 }
 
+void olx_unit_store_tidy(olx_unit_store *s) {
+  if (s && olx_work_folder_edited(s->folder)) olx_work_folder_tidy(s->folder);
+}
+
 void olx_unit_store_close(olx_unit_store *s, bool remove) {
   if (!s) return;
   if (remove) olx_work_folder_remove(s->folder);
@@ -55,27 +60,52 @@ static bool is_stored(const olx_unit_store *s, const olx_unit_name *name) {
   return s && olx_work_folder_has(s->folder, name);
 }
 
-bool olx_units_have(const olx_unit_store *s, const char *stage, uint32_t round) {
-  return is_stored(s, &(olx_unit_name){stage, round, 0});
+static olx_unit_name name_of(const olx_unit_stage *stage, uint32_t unit) {
+  return (olx_unit_name){stage->name, stage->round, unit, stage->parts};
+}
+
+bool olx_units_have(const olx_unit_store *s, const olx_unit_stage *stage) {
+  const olx_unit_name name = name_of(stage, 0);
+  return is_stored(s, &name);
+}
+
+bool olx_units_read_stale(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, void **data,
+                          size_t *size_bytes) {
+  const olx_unit_name name = name_of(stage, unit);
+  *data = NULL;
+  const olx_unit_state state = s ? olx_work_folder_look(s->folder, &name) : OLX_UNIT_ABSENT;
+  if (state == OLX_UNIT_STALE) olx_work_folder_get_stale(s->folder, &name, data, size_bytes);
+  return state != OLX_UNIT_ABSENT;
 }
 
 bool olx_units_have_all(const olx_unit_store *s, const char *stage, uint32_t count) {
   for (uint32_t unit = 0; unit < count; unit++) {
-    if (!is_stored(s, &(olx_unit_name){stage, 0, unit})) return false;
+    if (!is_stored(s, &(olx_unit_name){stage, 0, unit, OLX_PARTS_ALL})) return false;
   }
   return true;
 }
 
 void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round, uint32_t rounds) {
   for (uint32_t round = first_round; s && round < first_round + rounds; round++) {
-    olx_work_folder_drop(s->folder, &(olx_unit_name){stage, round, 0});
+    olx_work_folder_drop(s->folder, &(olx_unit_name){stage, round, 0, OLX_PARTS_ALL});
   }
 }
 
-static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
+// Reports a unit that was loaded, or computed for the reason `why`.
+static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, const char *why, double start) {
   if (!s || !s->settings.done || !stage->make) return;
-  const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start};
+  const olx_unit_done done = {name_of(stage, unit), stage->count, *why == '\0', why, olx_seconds() - start};
   s->settings.done(s->settings.user, &done);
+}
+
+// Returns why a unit has to be computed.
+static olx_manifest_value reason_for(const olx_unit_store *s, const olx_unit_name *name) {
+  const olx_unit_state state = olx_work_folder_look(s->folder, name);
+  if (state != OLX_UNIT_STALE) return (olx_manifest_value){"new"};
+  const olx_scene_parts edited = olx_work_folder_edited(s->folder);
+  const olx_scene_parts changed = name->parts ? name->parts & edited : edited;
+  // After an interrupted bake, the folder no longer knows what its units differ in.
+  return changed ? olx_manifest_part_names(&s->manifest, changed) : (olx_manifest_value){"another scene"};
 }
 
 // Returns whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another
@@ -95,12 +125,13 @@ static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const v
 // Loads a unit. *missing is set when its file is damaged or gone; the file is then removed.
 static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool *missing) {
   const double start = olx_seconds();
-  const olx_unit_name name = {stage->name, stage->round, unit};
+  const olx_unit_name name = name_of(stage, unit);
   void *data;
   size_t size_bytes;
   OLX_TRY(olx_check_cancelled());
   olx_result result = olx_work_folder_get(s->folder, &name, &data, &size_bytes);
-  *missing = !s->joins && (result == OLX_ERROR_CHECKSUM || result == OLX_ERROR_FILE);
+  *missing = !s->joins && (result == OLX_ERROR_CHECKSUM || result == OLX_ERROR_FILE || result == OLX_ERROR_INCOMPLETE);
+  if (result == OLX_ERROR_INCOMPLETE && *missing) return OLX_OK;
   if (*missing) {
     olx_log(OLX_LOG_WARNING, "%s; it is made again", olx_last_error());
     olx_work_folder_drop(s->folder, &name);
@@ -108,7 +139,7 @@ static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   }
   if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
   olx_release(data);
-  if (result == OLX_OK) report(s, stage, unit, true, start);
+  if (result == OLX_OK) report(s, stage, unit, "", start);
   return result;
 }
 
@@ -135,7 +166,8 @@ static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uin
   olx_byte_writer bytes = {0};
   if (s->full) return OLX_OK;
   stage->save(stage->user, unit, &bytes);
-  const olx_result result = store_bytes(s, &(olx_unit_name){stage->name, stage->round, unit}, &bytes);
+  const olx_unit_name name = name_of(stage, unit);
+  const olx_result result = store_bytes(s, &name, &bytes);
   olx_byte_writer_free(&bytes);
   return result;
 }
@@ -144,12 +176,14 @@ olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
   return s ? store_unit(s, stage, 0) : OLX_OK;
 }
 
-static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
+static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool damaged) {
   const double start = olx_seconds();
+  if (!s) return stage->make(stage->user, unit);
+  const olx_unit_name name = name_of(stage, unit);
+  const olx_manifest_value why = damaged ? (olx_manifest_value){"damaged"} : reason_for(s, &name);
   OLX_TRY(stage->make(stage->user, unit));
-  if (!s) return OLX_OK;
   OLX_TRY(store_unit(s, stage, unit));
-  report(s, stage, unit, false, start);
+  report(s, stage, unit, why.text, start);
   return OLX_OK;
 }
 
@@ -161,23 +195,26 @@ static olx_result refuse_missing(const olx_unit_store *s, const olx_unit_stage *
 static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
   uint32_t missing = 0;
   for (uint32_t unit = 0; unit < stage->count; unit++) {
-    const olx_unit_name name = {stage->name, stage->round, unit};
+    const olx_unit_name name = name_of(stage, unit);
     if (is_stored(s, &name)) continue;
-    if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit));
+    if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit, false));
   }
   // Other parts may have stored theirs since.
   for (uint32_t unit = 0; unit < stage->count; unit++) {
-    missing += !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
+    const olx_unit_name name = name_of(stage, unit);
+    missing += !is_stored(s, &name);
   }
   return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
 }
 
 static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
   for (uint32_t unit = 0; unit < stage->count; unit++) {
-    bool missing = !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
-    if (!missing) OLX_TRY(load_unit(s, stage, unit, &missing));
+    const olx_unit_name name = name_of(stage, unit);
+    const bool stored = is_stored(s, &name);
+    bool missing = !stored;
+    if (stored) OLX_TRY(load_unit(s, stage, unit, &missing));
     if (missing && olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
-    if (missing) OLX_TRY(make_unit(s, stage, unit));
+    if (missing) OLX_TRY(make_unit(s, stage, unit, stored));
   }
   return OLX_OK;
 }
@@ -197,10 +234,11 @@ olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
 }
 
 olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
-  const olx_unit_name name = {stage->name, stage->round, 0};
-  bool missing = !is_stored(s, &name);
-  if (!missing) OLX_TRY(load_unit(s, stage, 0, &missing));
+  const olx_unit_name name = name_of(stage, 0);
+  const bool stored = is_stored(s, &name);
+  bool missing = !stored;
+  if (stored) OLX_TRY(load_unit(s, stage, 0, &missing));
   if (!missing) return OLX_OK;
   if (olx_unit_store_joins(s) || (olx_unit_store_is_part(s) && !is_mine(s, &name))) return refuse_missing(s, stage, 1);
-  return make_unit(s, stage, 0);
+  return make_unit(s, stage, 0, stored);
 }

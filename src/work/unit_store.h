@@ -14,15 +14,17 @@ typedef struct olx_unit_store olx_unit_store;
 // The report of a finished unit.
 typedef struct olx_unit_done {
   olx_unit_name name;
-  uint32_t count; // number of units in its stage and round
-  bool found;     // loaded; otherwise computed
-  double seconds; // time to compute or load it
+  uint32_t count;  // number of units in its stage and round
+  bool found;      // loaded; otherwise computed
+  const char *why; // why it was computed: "new", "damaged", or the parts of the scene that changed; "" when loaded
+  double seconds;  // time to compute or load it
 } olx_unit_done;
 
 typedef struct olx_unit_store_settings {
   const char *folder;
   const olx_manifest *manifest; // NULL: join the units in the folder
   bool fresh;                   // discard the units in the folder
+  bool edited;                  // accept a folder whose bake differs in parts of the scene, and reuse what still holds
   uint64_t limit_bytes;         // most bytes that a whole bake stores; a part fails beyond it; 0: no limit
   uint32_t part, parts;         // share to compute, from 1 to `parts`; 0: a whole bake
   void (*done)(void *user, const olx_unit_done *unit); // may be NULL; called on the thread that runs stages
@@ -31,6 +33,8 @@ typedef struct olx_unit_store_settings {
 
 // Opens a store. Strings and the manifest are copied. Errors are those of olx_work_folder_open.
 olx_result olx_unit_store_open(const olx_unit_store_settings *settings, olx_unit_store **store);
+// Removes units that do not hold for this scene, once all that do are stored. NULL is allowed.
+void olx_unit_store_tidy(olx_unit_store *store);
 // Closes a store; with `remove`, deletes its folder. NULL is allowed.
 void olx_unit_store_close(olx_unit_store *store, bool remove);
 
@@ -48,11 +52,16 @@ typedef struct olx_unit_stage {
   void (*save)(void *user, uint32_t unit, olx_byte_writer *to); // called right after `make`
   olx_result (*load)(void *user, uint32_t unit,
                      olx_byte_reader *from); // replaces `make`; what it reads is valid only during the call
+  olx_scene_parts parts; // parts of the scene that its units depend on, with those of the stages before; 0: all
 } olx_unit_stage;
 
 // Returns whether unit 0 of a stage is stored; false for a NULL store.
-bool olx_units_have(const olx_unit_store *store, const char *stage, uint32_t round);
+bool olx_units_have(const olx_unit_store *store, const olx_unit_stage *stage);
 
+// Reads a unit that was computed for another scene; the caller releases *data with olx_release, which is NULL where
+// there is none. Returns false where the stage has no such unit number. store may be NULL.
+bool olx_units_read_stale(const olx_unit_store *store, const olx_unit_stage *stage, uint32_t unit, void **data,
+                          size_t *size_bytes);
 // Returns whether the units 0 to count - 1 of a stage are stored; false for a NULL store, unless count is 0.
 bool olx_units_have_all(const olx_unit_store *store, const char *stage, uint32_t count);
 // Removes unit 0 of some rounds of a stage. store may be NULL.

@@ -21,13 +21,14 @@ enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16 };
 #define SUFFIX ".unit"
 #define MAGIC "OLXUNIT1"
 
-static const olx_unit_name manifest_name = {"manifest", 0, 0};
+static const olx_unit_name manifest_name = {"manifest", 0, 0, OLX_PARTS_ALL};
 
 struct olx_work_folder {
   int descriptor;
   char path[PATH_MAX];
   olx_manifest manifest;
-  uint64_t key; // hash of the manifest
+  uint64_t key; // hash of the manifest without the parts of the scene
+  olx_scene_parts edited;
   uint64_t bytes;
 };
 
@@ -70,6 +71,91 @@ olx_manifest_value olx_manifest_find(const olx_manifest *manifest, const char *n
   return value;
 }
 
+// ---- Parts of the scene
+
+typedef struct part_list {
+  char names[OLX_MOST_SCENE_PARTS][32];
+  uint32_t count;
+} part_list;
+
+static part_list parts_of(const olx_manifest *manifest) {
+  part_list list = {.count = 0};
+  const olx_manifest_value names = olx_manifest_find(manifest, "parts-of-scene");
+  for (const char *word = names.text; *word && list.count < OLX_MOST_SCENE_PARTS; word += strspn(word, " ")) {
+    const size_t end = strcspn(word, " ");
+    snprintf(list.names[list.count++], sizeof *list.names, "%.*s", (int)end, word);
+    word += end;
+  }
+  return list;
+}
+
+static bool has_part(olx_scene_parts parts, uint32_t i) { return parts == OLX_PARTS_ALL || parts >> i & 1u; }
+
+uint64_t olx_manifest_key(const olx_manifest *manifest, olx_scene_parts parts) {
+  const part_list list = parts_of(manifest);
+  char text[OLX_MOST_SCENE_PARTS * sizeof(olx_manifest_value)] = "";
+  size_t length = 0;
+  for (uint32_t i = 0; i < list.count; i++) {
+    if (!has_part(parts, i)) continue;
+    const olx_manifest_value value = olx_manifest_find(manifest, list.names[i]);
+    length += (size_t)snprintf(text + length, sizeof text - length, "%u %s\n", i, value.text);
+  }
+  return olx_content_hash(text, length);
+}
+
+olx_scene_parts olx_manifest_differing(const olx_manifest *a, const olx_manifest *b) {
+  const part_list list = parts_of(a);
+  olx_scene_parts parts = 0;
+  for (uint32_t i = 0; i < list.count; i++) {
+    const olx_manifest_value one = olx_manifest_find(a, list.names[i]), other = olx_manifest_find(b, list.names[i]);
+    if (strcmp(one.text, other.text) != 0) parts |= 1u << i;
+  }
+  return parts;
+}
+
+olx_manifest_value olx_manifest_part_names(const olx_manifest *manifest, olx_scene_parts parts) {
+  const part_list list = parts_of(manifest);
+  olx_manifest_value names = {""};
+  size_t length = 0;
+  for (uint32_t i = 0; i < list.count; i++) {
+    if (!(parts >> i & 1u)) continue;
+    length +=
+        (size_t)snprintf(names.text + length, sizeof names.text - length, "%s%s", length ? " " : "", list.names[i]);
+  }
+  return names;
+}
+
+static bool is_part(const part_list *list, const char *name) {
+  for (uint32_t i = 0; i < list->count; i++) {
+    if (strcmp(list->names[i], name) == 0) return true;
+  }
+  return false;
+}
+
+// Returns the manifest without the lines of parts of the scene.
+static olx_manifest identity_of(const olx_manifest *manifest) {
+  const part_list list = parts_of(manifest);
+  olx_manifest identity = {""};
+  size_t length = 0;
+  for (const char *line = manifest->text; *line;) {
+    const size_t size = strcspn(line, "\n") + (strchr(line, '\n') != NULL);
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(line, " "), line);
+    if (!is_part(&list, name)) {
+      memcpy(identity.text + length, line, size);
+      length += size;
+    }
+    line += size;
+  }
+  return identity;
+}
+
+// Returns whether a folder's bake is the wanted one, but for parts of the scene.
+static bool is_same_but_for_scene(const olx_manifest *is, const olx_manifest *wanted) {
+  const olx_manifest a = identity_of(is), b = identity_of(wanted);
+  return strcmp(a.text, b.text) == 0;
+}
+
 static olx_result refuse_other_bake(const olx_work_folder *f, const olx_manifest *wanted) {
   char name[64] = "";
   for (const char *line = wanted->text; *line; line = strchr(line, '\n') + 1) {
@@ -78,8 +164,9 @@ static olx_result refuse_other_bake(const olx_work_folder *f, const olx_manifest
     if (strcmp(is.text, want.text) == 0) continue;
     return olx_fail(OLX_ERROR_ARGUMENT,
                     "%s: the work folder is of another bake: its %s is %s, and this one's is %s; begin again with "
-                    "--fresh, or name another folder",
-                    f->path, name, *is.text ? is.text : "not known", want.text);
+                    "--fresh, or name another folder%s",
+                    f->path, name, *is.text ? is.text : "not known", want.text,
+                    is_same_but_for_scene(&f->manifest, wanted) ? ", or reuse what still holds with --keep-work" : "");
   }
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: the work folder is of another bake", f->path);
 }
@@ -118,8 +205,14 @@ static bool is_named(const olx_work_folder *f, const char *file) {
   return false;
 }
 
+// The key of a unit: of the bake, and of the parts of the scene that the unit depends on. The manifest has key 0.
+static uint64_t key_of(const olx_work_folder *f, const olx_unit_name *name) {
+  const uint64_t keys[] = {f->key, olx_manifest_key(&f->manifest, name->parts)};
+  return f->key ? olx_content_hash(keys, sizeof keys) : 0;
+}
+
 static unit_header header_of(const olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
-  unit_header header = {.key = f->key,
+  unit_header header = {.key = key_of(f, name),
                         .size_bytes = size_bytes,
                         .hash = olx_content_hash(data, size_bytes),
                         .round = name->round,
@@ -156,7 +249,19 @@ static int write_unit(const olx_work_folder *f, const olx_unit_name *name, const
   return error;
 }
 
+static bool is_file(const olx_work_folder *f, const char *file, struct stat *status) {
+  return fstatat(f->descriptor, file, status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status->st_mode);
+}
+
+static uint64_t stored_bytes(const olx_work_folder *f, const olx_unit_name *name) {
+  char file[NAME_BYTES];
+  struct stat status;
+  file_of(name, file);
+  return is_file(f, file, &status) ? (uint64_t)status.st_size : 0;
+}
+
 olx_result olx_work_folder_put(olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
+  const uint64_t replaced = stored_bytes(f, name);
   const int error = write_unit(f, name, data, size_bytes);
   if (error) {
     char file[NAME_BYTES];
@@ -164,18 +269,8 @@ olx_result olx_work_folder_put(olx_work_folder *f, const olx_unit_name *name, co
     return olx_fail(OLX_ERROR_FILE, "%s/%s: cannot write: %s", f->path, file, strerror(error));
   }
   f->bytes += sizeof(unit_header) + size_bytes;
+  f->bytes -= f->bytes < replaced ? f->bytes : replaced;
   return OLX_OK;
-}
-
-static bool is_file(const olx_work_folder *f, const char *file, struct stat *status) {
-  return fstatat(f->descriptor, file, status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status->st_mode);
-}
-
-bool olx_work_folder_has(const olx_work_folder *f, const olx_unit_name *name) {
-  char file[NAME_BYTES];
-  struct stat status;
-  file_of(name, file);
-  return is_file(f, file, &status);
 }
 
 void olx_work_folder_drop(olx_work_folder *f, const olx_unit_name *name) {
@@ -197,10 +292,34 @@ static bool read_all(int descriptor, void *data, size_t size_bytes) {
   return true;
 }
 
-static bool is_header(const olx_work_folder *f, const olx_unit_name *name, const unit_header *h) {
-  return memcmp(h->magic, MAGIC, sizeof h->magic) == 0 && h->key == f->key && h->round == name->round &&
-         h->unit == name->unit && strncmp(h->stage, name->stage, sizeof h->stage) == 0 &&
+// Returns whether a header is undamaged, of whichever scene.
+static bool is_header(const olx_unit_name *name, const unit_header *h) {
+  return memcmp(h->magic, MAGIC, sizeof h->magic) == 0 && h->round == name->round && h->unit == name->unit &&
+         strncmp(h->stage, name->stage, sizeof h->stage) == 0 &&
          h->header_hash == olx_content_hash(h, offsetof(unit_header, header_hash));
+}
+
+static int open_unit(const olx_work_folder *f, const char *file) {
+  return openat(f->descriptor, file, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+}
+
+// A damaged header counts as stored: reading the unit reports it.
+olx_unit_state olx_work_folder_look(const olx_work_folder *f, const olx_unit_name *name) {
+  char file[NAME_BYTES];
+  struct stat status;
+  unit_header header;
+  file_of(name, file);
+  if (!is_file(f, file, &status)) return OLX_UNIT_ABSENT;
+  const int descriptor = open_unit(f, file);
+  if (descriptor < 0) return OLX_UNIT_STORED;
+  const bool stale =
+      read_all(descriptor, &header, sizeof header) && is_header(name, &header) && header.key != key_of(f, name);
+  close(descriptor);
+  return stale ? OLX_UNIT_STALE : OLX_UNIT_STORED;
+}
+
+bool olx_work_folder_has(const olx_work_folder *f, const olx_unit_name *name) {
+  return olx_work_folder_look(f, name) == OLX_UNIT_STORED;
 }
 
 // Reads the bytes after a header that is valid.
@@ -214,31 +333,41 @@ static olx_result read_content(int descriptor, const unit_header *h, const char 
   return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
 }
 
-static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, int descriptor, const char *path,
-                            void **data, size_t *size_bytes) {
+static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, bool stale, int descriptor,
+                            const char *path, void **data, size_t *size_bytes) {
   unit_header header;
   struct stat status;
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     return olx_fail(OLX_ERROR_FILE, "%s: not a regular file", path);
   }
-  const bool whole = read_all(descriptor, &header, sizeof header) && is_header(f, name, &header) &&
+  const bool whole = read_all(descriptor, &header, sizeof header) && is_header(name, &header) &&
                      (uint64_t)status.st_size == sizeof header + header.size_bytes;
   if (!whole) return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+  if (stale != (header.key != key_of(f, name))) return olx_fail(OLX_ERROR_INCOMPLETE, "%s: is of another scene", path);
   *size_bytes = header.size_bytes;
   return read_content(descriptor, &header, path, data);
 }
 
-olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+static olx_result get(const olx_work_folder *f, const olx_unit_name *name, bool stale, void **data,
+                      size_t *size_bytes) {
   char file[NAME_BYTES], path[PATH_MAX + NAME_BYTES];
   file_of(name, file);
   snprintf(path, sizeof path, "%s/%s", f->path, file);
   *data = NULL;
   *size_bytes = 0;
-  const int descriptor = openat(f->descriptor, file, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  const int descriptor = open_unit(f, file);
   if (descriptor < 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(errno));
-  const olx_result result = read_unit(f, name, descriptor, path, data, size_bytes);
+  const olx_result result = read_unit(f, name, stale, descriptor, path, data, size_bytes);
   close(descriptor);
   return result;
+}
+
+olx_result olx_work_folder_get(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+  return get(f, name, false, data, size_bytes);
+}
+
+void olx_work_folder_get_stale(const olx_work_folder *f, const olx_unit_name *name, void **data, size_t *size_bytes) {
+  if (get(f, name, true, data, size_bytes) != OLX_OK) *data = NULL;
 }
 
 // ---- The folder
@@ -278,8 +407,9 @@ static olx_result go_through(const olx_work_folder *f, bool remove, folder_conte
 }
 
 static void set_manifest(olx_work_folder *f, const olx_manifest *manifest) {
+  const olx_manifest identity = identity_of(manifest);
   f->manifest = *manifest;
-  f->key = olx_content_hash(manifest->text, strlen(manifest->text));
+  f->key = olx_content_hash(identity.text, strlen(identity.text));
 }
 
 // Reads the manifest. Its own file is stored with key 0, because no manifest is known yet.
@@ -333,10 +463,12 @@ static olx_result use_manifest(olx_work_folder *f, const olx_work_folder_setting
   OLX_TRY(read_manifest(f));
   if (manifest && (settings->fresh || is_being_cleared(f))) return begin_again(f, manifest);
   if (is_being_cleared(f)) return olx_fail(OLX_ERROR_FILE, "%s: its bake is finished, and its units are gone", f->path);
-  if (manifest && strcmp(manifest->text, f->manifest.text) != 0) return refuse_other_bake(f, manifest);
   OLX_TRY(go_through(f, false, &content));
   f->bytes = content.bytes;
-  return OLX_OK;
+  if (!manifest || strcmp(manifest->text, f->manifest.text) == 0) return OLX_OK;
+  if (!settings->edited || !is_same_but_for_scene(&f->manifest, manifest)) return refuse_other_bake(f, manifest);
+  f->edited = olx_manifest_differing(manifest, &f->manifest);
+  return write_manifest(f, manifest); // units keep their keys, by which it shows which of them still hold
 }
 
 // Writes the manifest or compares it with the existing one; other programs may write the same manifest at the same
@@ -434,5 +566,30 @@ void olx_work_folder_remove(olx_work_folder *f) {
   olx_work_folder_close(f);
 }
 
+static bool has_key(const olx_work_folder *f, const char *file) {
+  unit_header header;
+  const int descriptor = open_unit(f, file);
+  const bool whole = descriptor >= 0 && read_all(descriptor, &header, sizeof header);
+  if (descriptor >= 0) close(descriptor);
+  const uint32_t count = parts_of(&f->manifest).count;
+  for (olx_scene_parts parts = 0; whole && parts < 1u << count; parts++) {
+    if (header.key == key_of(f, &(olx_unit_name){.parts = parts})) return true;
+  }
+  return false;
+}
+
+void olx_work_folder_tidy(olx_work_folder *f) {
+  const int descriptor = openat(f->descriptor, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR *entries = descriptor < 0 ? NULL : fdopendir(descriptor);
+  if (!entries && descriptor >= 0) close(descriptor);
+  for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+    struct stat status;
+    const bool unit = is_named(f, entry->d_name) && is_file(f, entry->d_name, &status);
+    if (unit && !is_manifest(entry->d_name) && !has_key(f, entry->d_name)) unlinkat(f->descriptor, entry->d_name, 0);
+  }
+  if (entries) closedir(entries);
+}
+
+olx_scene_parts olx_work_folder_edited(const olx_work_folder *f) { return f->edited; }
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *f) { return &f->manifest; }
 uint64_t olx_work_folder_bytes(const olx_work_folder *f) { return f->bytes; }

@@ -1,0 +1,40 @@
+// What the rays of gathers found (scene_light.h), kept with what they depend on, so that after an edit of the scene only
+// rays that would find something else are cast again (kept_rays.h). The gathers of a row of texels are kept in order.
+#ifndef OLX_LIGHT_KEPT_GATHERS_H
+#define OLX_LIGHT_KEPT_GATHERS_H
+
+#include "light/link_batch.h"
+#include "scene/scene_parts.h"
+#include "work/byte_stream.h"
+
+enum { OLX_GATHER_RAYS = 256 }; // of a gather
+
+// Light that a ray of a gather brings without its link, after `surfaces` + 1 surfaces.
+typedef struct olx_gather_light {
+  uint16_t ray, surfaces;
+  olx_vec3 light;
+} olx_gather_light;
+
+// One gather, as it is kept.
+typedef struct olx_kept_gather {
+  const olx_link *links; // OLX_GATHER_RAYS
+  const uint64_t *needs; // slots of olx_scene_inputs that rays depend on, by their kind
+  const uint8_t *kinds;  // OLX_GATHER_RAYS
+  const olx_gather_light *lights;
+  uint32_t needs_count, light_count;
+} olx_kept_gather;
+
+// The gathers of one row. Zero-initialize.
+typedef struct olx_gather_row {
+  olx_byte_writer kept;
+  olx_byte_reader former; // at the first gather for another scene that was not passed yet
+  uint64_t changed;       // slots that differ from that scene's
+  uint64_t reused;        // rays that were not cast
+} olx_gather_row;
+
+// Finds the next gather with this check, which covers everything that its rays are drawn from; returns false where there
+// is none near.
+bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather);
+void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather);
+
+#endif

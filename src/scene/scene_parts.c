@@ -1,0 +1,192 @@
+// Hashes a scene, and the parts of it on which the stages of a bake depend.
+#include "scene/scene_parts.h"
+
+#include "scene/local_frame.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+static void hash_material(XXH3_state_t *state, const olx_material *m) {
+  const float numbers[] = {m->base_color.x, m->base_color.y, m->base_color.z, m->metallic,
+                           m->roughness,    m->emission.x,   m->emission.y,   m->emission.z,
+                           m->alpha,        m->alpha_cutoff, m->normal_scale, m->specular_weight};
+  const uint32_t words[] = {m->base_color_texture,
+                            m->alpha_texture,
+                            m->metallic_roughness_texture,
+                            m->emission_texture,
+                            m->normal_texture,
+                            (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
+                                (m->vertex_colors ? 4u : 0u) | (m->specular_in_alpha ? 8u : 0u) | m->second_uvs << 8};
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+  XXH3_64bits_update(state, words, sizeof words);
+}
+
+static void hash_light(XXH3_state_t *state, const olx_light *l) {
+  const float numbers[] = {l->position.x, l->position.y, l->position.z, l->direction.x,  l->direction.y, l->direction.z,
+                           l->emission.x, l->emission.y, l->emission.z, l->cosine_inner, l->cosine_outer};
+  const uint32_t type = l->type;
+  XXH3_64bits_update(state, &type, sizeof type);
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+}
+
+static void hash_environment(XXH3_state_t *state, const olx_environment *e) {
+  const float numbers[] = {e->radiance.x, e->radiance.y, e->radiance.z, e->rotation_radians};
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+  XXH3_64bits_update(state, &e->width, sizeof e->width);
+  XXH3_64bits_update(state, &e->height, sizeof e->height);
+  if (e->texels) XXH3_64bits_update(state, e->texels, (size_t)e->width * e->height * 3 * sizeof(float));
+}
+
+// Hashes attributes that few scenes have.
+static void hash_rare(XXH3_state_t *state, const olx_scene *scene) {
+  const size_t count = scene->vertex_count;
+  if (scene->second_uvs) XXH3_64bits_update(state, scene->second_uvs, count * sizeof *scene->second_uvs);
+  if (scene->colors) XXH3_64bits_update(state, scene->colors, count * sizeof *scene->colors);
+  if (scene->tangents) XXH3_64bits_update(state, scene->tangents, count * sizeof *scene->tangents);
+}
+
+static void hash_texture(XXH3_state_t *state, const olx_texture *texture) {
+  const uint32_t words[] = {texture->width, texture->height, texture->srgb ? 1u : 0u};
+  XXH3_64bits_update(state, words, sizeof words);
+  XXH3_64bits_update(state, texture->texels, (size_t)texture->width * texture->height * 4);
+}
+
+uint64_t olx_scene_hash(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint32_t counts[] = {scene->vertex_count, scene->triangle_count, scene->material_count, scene->texture_count,
+                             scene->light_count};
+  XXH3_64bits_update(&state, counts, sizeof counts);
+  XXH3_64bits_update(&state, scene->positions, scene->vertex_count * sizeof *scene->positions);
+  XXH3_64bits_update(&state, scene->normals, scene->vertex_count * sizeof *scene->normals);
+  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(&state, scene);
+  XXH3_64bits_update(&state, scene->indices, (size_t)scene->triangle_count * 3 * sizeof *scene->indices);
+  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
+  for (uint32_t i = 0; i < scene->material_count; ++i) hash_material(&state, &scene->materials[i]);
+  for (uint32_t i = 0; i < scene->texture_count; ++i) hash_texture(&state, &scene->textures[i]);
+  for (uint32_t i = 0; i < scene->light_count; ++i) hash_light(&state, &scene->lights[i]);
+  if (olx_scene_is_far(scene)) XXH3_64bits_update(&state, scene->origin, sizeof scene->origin);
+  hash_environment(&state, &scene->environment);
+  return XXH3_64bits_digest(&state);
+}
+
+// ---- Parts
+
+static bool is_masked(const olx_scene *scene, uint32_t triangle) {
+  return scene->materials[scene->material_index[triangle]].alpha_cutoff > 0.0f;
+}
+
+// Hashes what decides where the triangles of a masked material are present.
+static void hash_mask(XXH3_state_t *state, const olx_scene *scene, const olx_material *m) {
+  const float numbers[] = {m->alpha, m->alpha_cutoff};
+  const uint32_t words[] = {m->base_color_texture, m->alpha_texture, m->second_uvs};
+  XXH3_64bits_update(state, numbers, sizeof numbers);
+  XXH3_64bits_update(state, words, sizeof words);
+  if (m->base_color_texture != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[m->base_color_texture]);
+  if (m->alpha_texture != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[m->alpha_texture]);
+}
+
+// Hashes the materials that have masks, which triangles have them, and how they lie on these.
+static void hash_masks(XXH3_state_t *state, const olx_scene *scene) {
+  bool any = false;
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    if (!(scene->materials[i].alpha_cutoff > 0.0f)) continue;
+    XXH3_64bits_update(state, &i, sizeof i);
+    hash_mask(state, scene, &scene->materials[i]);
+  }
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    if (!is_masked(scene, t)) continue;
+    const uint32_t words[] = {t, scene->material_index[t]};
+    XXH3_64bits_update(state, words, sizeof words);
+    any = true;
+  }
+  if (!any) return;
+  XXH3_64bits_update(state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(state, scene);
+}
+
+static uint64_t hash_geometry(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  XXH3_64bits_update(&state, scene->positions, scene->vertex_count * sizeof *scene->positions);
+  XXH3_64bits_update(&state, scene->normals, scene->vertex_count * sizeof *scene->normals);
+  XXH3_64bits_update(&state, scene->indices, (size_t)scene->triangle_count * 3 * sizeof *scene->indices);
+  XXH3_64bits_update(&state, scene->origin, sizeof scene->origin);
+  hash_masks(&state, scene);
+  return XXH3_64bits_digest(&state);
+}
+
+static uint64_t hash_materials(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(&state, scene);
+  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
+  for (uint32_t i = 0; i < scene->material_count; i++) hash_material(&state, &scene->materials[i]);
+  for (uint32_t i = 0; i < scene->texture_count; i++) hash_texture(&state, &scene->textures[i]);
+  return XXH3_64bits_digest(&state);
+}
+
+static uint64_t hash_lights(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (uint32_t i = 0; i < scene->light_count; i++) hash_light(&state, &scene->lights[i]);
+  hash_environment(&state, &scene->environment);
+  return XXH3_64bits_digest(&state);
+}
+
+olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene) {
+  return (olx_scene_parts_hash){hash_geometry(scene), hash_materials(scene), hash_lights(scene)};
+}
+
+// ---- Inputs of rays
+
+static void hash_textures_of(XXH3_state_t *state, const olx_scene *scene, const olx_material *m) {
+  const uint32_t textures[] = {m->base_color_texture, m->alpha_texture, m->metallic_roughness_texture,
+                               m->emission_texture, m->normal_texture};
+  for (uint32_t i = 0; i < sizeof textures / sizeof *textures; i++) {
+    if (textures[i] != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[textures[i]]);
+  }
+}
+
+static uint64_t hash_surfaces(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint64_t geometry = hash_geometry(scene);
+  XXH3_64bits_update(&state, &geometry, sizeof geometry);
+  XXH3_64bits_update(&state, scene->uvs, scene->vertex_count * sizeof *scene->uvs);
+  hash_rare(&state, scene);
+  XXH3_64bits_update(&state, scene->material_index, scene->triangle_count * sizeof *scene->material_index);
+  return XXH3_64bits_digest(&state);
+}
+
+static uint64_t hash_emitters(const olx_scene *scene) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint64_t lights = hash_lights(scene);
+  XXH3_64bits_update(&state, &lights, sizeof lights);
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    const olx_material *m = &scene->materials[i];
+    if (olx_max3(m->emission) <= 0.0f) continue;
+    XXH3_64bits_update(&state, &i, sizeof i);
+    hash_material(&state, m);
+    hash_textures_of(&state, scene, m);
+  }
+  return XXH3_64bits_digest(&state);
+}
+
+olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene) {
+  olx_scene_inputs inputs = {.surfaces = hash_surfaces(scene)};
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    XXH3_state_t state;
+    uint64_t *slot = &inputs.slots[i % OLX_INPUT_LIGHTS];
+    XXH3_64bits_reset(&state);
+    XXH3_64bits_update(&state, slot, sizeof *slot);
+    hash_material(&state, &scene->materials[i]);
+    hash_textures_of(&state, scene, &scene->materials[i]);
+    *slot = XXH3_64bits_digest(&state);
+  }
+  inputs.slots[OLX_INPUT_LIGHTS] = hash_emitters(scene);
+  return inputs;
+}

@@ -1,0 +1,39 @@
+// Hashes of the parts of a scene on which the stages of a bake depend. A change that leaves a part's hash unchanged
+// leaves everything unchanged that is computed from this part alone.
+#ifndef OLX_SCENE_SCENE_PARTS_H
+#define OLX_SCENE_SCENE_PARTS_H
+
+#include "scene/scene_data.h"
+
+// Parts of a scene, as bits.
+enum {
+  OLX_PART_GEOMETRY = 1,  // where rays meet surfaces: triangles, normals of vertices, bounds, and masks
+  OLX_PART_MATERIALS = 2, // how surfaces reflect and emit, and where their textures lie
+  OLX_PART_LIGHTS = 4,    // lights and the environment; lamps with a surface are geometry and materials
+  OLX_PART_VIEWS = 8      // cameras and boxes that limit where a viewer can be
+};
+
+typedef struct olx_scene_parts_hash {
+  uint64_t geometry, materials, lights;
+} olx_scene_parts_hash;
+
+// Returns the hash of everything that affects light in the scene; names, cameras and probes do not.
+uint64_t olx_scene_hash(const olx_scene *scene);
+
+olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene);
+
+// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others, and
+// the last slot is for everything that emits.
+enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1 };
+
+typedef struct olx_scene_inputs {
+  uint64_t surfaces; // geometry, and which material lies where on it
+  uint64_t slots[OLX_INPUT_SLOTS];
+} olx_scene_inputs;
+
+olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene);
+
+// Returns the bit of a material's slot.
+static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_LIGHTS; }
+
+#endif

@@ -161,7 +161,7 @@ static void report_rays(const job *j, uint32_t count) {
     for (uint32_t k = 0; k < 2 * RAYS; k++) {
       const olx_ray_pool *pool = k % 2 ? olx_light_pool(l, near) : NULL;
       const double found =
-          (double)olx_luminance(olx_links_gather(&l->surfels, surface, pool, olx_hash2(i, k / 2), 1, &light));
+          (double)olx_luminance(olx_links_gather_one(&l->surfels, surface, pool, olx_hash2(i, k / 2), &light));
       sum[k % 2] += found;
       squares[k % 2] += found * found;
     }

@@ -420,6 +420,15 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
   return olx_scale(sum, 1.0f / OLX_GATHER_RAYS);
 }
 
+olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                              uint32_t seed, const olx_passed_light *light) {
+  cast_job c = {.surfels = surfels};
+  const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
+  ray_end end = {.link = no_link};
+  cast_packet(&c, surface, &plan, 0, 1, &end);
+  return gathered(&end, light);
+}
+
 static void cast_some(void *user, uint32_t job) {
   cast_job *c = user;
   const uint32_t first = job * SURFELS_PER_JOB;

@@ -49,6 +49,9 @@ typedef struct olx_passed_light {
 // own. They are drawn by a pool's density, or evenly when that is NULL. `row` keeps what they find; it may be NULL.
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
                           uint32_t seed, const olx_passed_light *light, olx_gather_row *row);
+// Returns what the first of these rays alone finds, as an estimate of the same irradiance.
+olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                              uint32_t seed, const olx_passed_light *light);
 
 // Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {

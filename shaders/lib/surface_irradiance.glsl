@@ -53,8 +53,8 @@ struct olx_blend {
 
 struct olx_surface_light {
   vec3 irradiance; // W/m^2
-  uint probes;     // number of probes that were blended; 0: nothing is stored for this surface, and the light is that of
-                   // a surface close to it or of the volume
+  uint probes;     // number of probes that were blended; 0: nothing is stored for this surface, and the light is that
+                   // of a surface close to it or of the volume
 };
 
 // Returns how well a probe sees a point; 0 when it cannot.

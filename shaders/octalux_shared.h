@@ -320,6 +320,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_NORMAL_ERROR 0.0111f
 // How far a texel's surface may miss the point beyond the errors of packing, in footprints.
 #define OLX_SURFACE_MISS 0.05f
+// Where no texel sees the point's surface: how far more a texel's surface may miss the point, in footprints.
+#define OLX_NEAR_SURFACE 0.5f
 // How far away along the surface a texel may be, in footprints divided by the cosine at which its probe sees it.
 #define OLX_SURFACE_REACH 2.0f
 #define OLX_LEAST_FACING 0.02f // surfaces that face a probe with a smaller cosine are too grazing for its texels

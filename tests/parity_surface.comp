@@ -78,8 +78,9 @@ void surface_rows() {
   } break;
   case ROW_olx_mix: put(olx_mix(some_blend())); break;
   case ROW_olx_gather: {
-    olx_blend b = olx_gather(settings, place, geometric);
-    put(b.count), put(b.best);
+    bool own;
+    olx_blend b = olx_gather(settings, place, geometric, own);
+    put(b.count), put(b.best), put(b.count > 0u && own);
     if (b.count > 0u) put(olx_mix(b));
   } break;
   case ROW_olx_map_irradiance_both: put(olx_map_irradiance_both(irradiance_probe, random)); break;

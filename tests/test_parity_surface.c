@@ -167,8 +167,8 @@ SURFACE_ROW(blend_add, const blend b = some_blend(s); put_u(r, b.count); put_f(r
       put_f(r, there ? b.weight[i] : 0.0f);
     })
 SURFACE_ROW(mix, const blend b = some_blend(s); put_mixed(r, &b);)
-SURFACE_ROW(gather, blend b = {.count = 0}; gather(s->field, &s->settings, &e->p, &b); put_u(r, b.count);
-    put_f(r, b.best); if (b.count > 0) put_mixed(r, &b);)
+SURFACE_ROW(gather, blend b = {.count = 0}; const bool own = gather(s->field, &s->settings, &e->p, &b);
+    put_u(r, b.count); put_f(r, b.best); put_u(r, b.count > 0 && own); if (b.count > 0) put_mixed(r, &b);)
 SURFACE_ROW(map_irradiance_both, const float *v = s->random;
     const olx_bilinear a = olx_bilinear_at((olx_vec2){v[0], v[1]}, s->field->irradiance_n);
     const olx_bilinear b = olx_bilinear_at((olx_vec2){v[2], v[3]}, s->field->irradiance_n);

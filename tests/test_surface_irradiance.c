@@ -407,6 +407,29 @@ static void points_that_no_probe_sees_get_the_volume(void **state) {
   analytic_field_free(f);
 }
 
+// A probe's texels are 8 cm long here. Between them are things that none of them shows, like a strip a few centimetres
+// high: it gets the light of a surface that is parallel to it and less than half a texel before or behind it.
+static void slivers_get_the_light_of_surfaces_close_to_them(void **state) {
+  (void)state;
+  olx_field *f = field_of(&empty_room, &single, 64, analytic_cast, colored);
+  for (uint32_t i = 0; i < 1000; i++) {
+    olx_vec3 n;
+    const olx_vec3 wall = on_room(i, &empty_room.room, &n);
+    const olx_vec3 p = olx_madd(wall, n, i & 1 ? 0.015f : -0.015f);
+    const olx_surface_light light = light_at(f, p, n);
+    const olx_vec3 off = olx_sub(light.irradiance, colored(wall, n, 0));
+    // Next to edges of the room a texel may see the wall that ends there.
+    const bool middle = fabsf(p.x - 2.0f) < 1.9f + fabsf(n.x) && fabsf(p.y - 1.5f) < 1.4f + fabsf(n.y) &&
+                        fabsf(p.z - 2.5f) < 2.4f + fabsf(n.z);
+    if (middle && olx_length(off) > 1e-5f) {
+      fail_msg("(%g %g %g): off by %g from %u probes", (double)p.x, (double)p.y, (double)p.z, (double)olx_length(off),
+               light.probes);
+    }
+  }
+  assert_volume(f, olx_v3(1.0f, 0.015f, 1.0f), olx_v3(1, 0, 0)); // a step's front, which no surface nearby resembles
+  analytic_field_free(f);
+}
+
 // ---- normal maps
 
 // Sets the irradiance of every irradiance probe, by the height of the normal.
@@ -512,6 +535,7 @@ int main(void) {
       cmocka_unit_test(the_nearest_probe_in_front_answers),
       cmocka_unit_test(bricks_name_the_probes_and_all_others_come_after_them),
       cmocka_unit_test(points_that_no_probe_sees_get_the_volume),
+      cmocka_unit_test(slivers_get_the_light_of_surfaces_close_to_them),
       cmocka_unit_test(normal_maps_change_light_as_they_change_that_of_the_volume),
       cmocka_unit_test(every_input_has_a_finite_answer),
       cmocka_unit_test(tolerances_out_of_range_are_refused),

@@ -1,6 +1,6 @@
 // Twin of src/shade/surface_irradiance.c: interpolates diffuse light of static surfaces from those probes near a point
-// that see its own surface. The C code sorts the probes before it reads them; here each iteration finds the best probe
-// below the last one, because a sorted list would lie in memory.
+// that see its own surface, else a surface close to it. The C code sorts the probes before it reads them; here each
+// iteration finds the best probe below the last one, because a sorted list would lie in memory.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SURFACE_IRRADIANCE_GLSL
@@ -53,7 +53,8 @@ struct olx_blend {
 
 struct olx_surface_light {
   vec3 irradiance; // W/m^2
-  uint probes;     // number of probes that were blended; 0: nothing is stored here, and the volume was used
+  uint probes;     // number of probes that were blended; 0: nothing is stored for this surface, and the light is that
+                   // of a surface close to it or of the volume
 };
 
 // Returns how well a probe sees a point; 0 when it cannot.
@@ -211,8 +212,11 @@ void olx_blend_add(inout olx_blend b, olx_texel_light light, float rank_weight) 
   }
 }
 
-olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal) {
+// Gathers the light that is stored for the point's surface or, where none is, for surfaces close before or behind it,
+// as probes near the point see them; `stored` tells whether it is of the point's own surface.
+olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, out bool stored) {
   olx_blend b = olx_blend(0u, 0.0, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+  stored = true;
   bool all = settings.select == OLX_SELECT_EXHAUSTIVE;
   uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
   uint list = olx_has_bricks() ? olx_bricks_list(position) : 0u;
@@ -226,9 +230,13 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal) {
       tried++;
       more = tried < most && b.count < OLX_MOST_BLENDED;
     }
-    if (!more) { // search all probes where none nearby sees the surface
-      searching = !all && b.count == 0u;
-      all = true;
+    if (!more) { // search all probes where none nearby sees the surface, then those nearby for surfaces close to it
+      searching = stored && b.count == 0u;
+      if (searching && all) {
+        stored = false;
+        settings.surface_tolerance += OLX_NEAR_SURFACE;
+      }
+      all = !all;
       tried = 0u;
       last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
     }
@@ -271,9 +279,11 @@ olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sour
                 olx_finite(shading_normal) && olx_finite(view);
   if (finite) {
     if ((sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
-    olx_blend b = olx_gather(settings, position, geometric_normal);
+    bool own;
+    olx_blend b = olx_gather(settings, position, geometric_normal, own);
     bool stored = b.count > 0u;
     if (stored) light = olx_mix(b);
+    if (!own) light.probes = 0u;
     vec3 bent = shading_normal - vertex_normal;
     if (!stored || olx_dot(bent, bent) > 1e-6) {
       vec3 from = stored ? vertex_normal : shading_normal;

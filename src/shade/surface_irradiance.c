@@ -1,5 +1,6 @@
 // Interpolates diffuse light of static surfaces from those probes near a point that see its own surface, each by the
-// four texels around the point's direction, as far as they see that surface.
+// four texels around the point's direction, as far as they see that surface. Where none does, texels of surfaces close
+// to it are taken, and last the irradiance volume.
 // Its twin is shaders/lib/surface_irradiance.glsl.
 #include "shade/surface_irradiance.h"
 
@@ -209,16 +210,24 @@ static void read_ranked(const olx_field *field, const olx_sample_settings *setti
   }
 }
 
-static void gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+// Gathers the light that is stored for the point's surface or, where none is, for surfaces close before or behind it,
+// as probes near the point see them; returns whether it is of the point's own surface.
+static bool gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                    blend *b) {
   ranking r;
   if (settings->select != OLX_SELECT_EXHAUSTIVE) {
     rank_near(field, settings, point, &r);
     read_ranked(field, settings, point, &r, b);
   }
-  if (b->count > 0) return;
+  if (b->count > 0) return true;
   rank_all(field, settings, point, &r);
   read_ranked(field, settings, point, &r, b);
+  if (b->count > 0) return true;
+  olx_sample_settings loose = *settings;
+  loose.surface_tolerance += OLX_NEAR_SURFACE;
+  rank_near(field, &loose, point, &r);
+  read_ranked(field, &loose, point, &r, b);
+  return false;
 }
 
 static olx_vec3 mix(const blend *b, uint32_t *probes) {
@@ -270,12 +279,13 @@ olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_
   olx_surface_light light = {.probes = 0};
   if (!is_finite(point)) return light;
   blend b = {.count = 0};
-  gather(field, settings, point, &b);
+  const bool stored = gather(field, settings, point, &b);
   if (b.count == 0) {
     light.irradiance = fallen_back(field, settings, point);
     return light;
   }
   light.irradiance = mix(&b, &light.probes);
+  if (!stored) light.probes = 0;
   const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
   if (olx_dot(bent, bent) > 1e-6f) {
     const olx_vec3 change = normal_map_change(field, settings, point);

@@ -18,7 +18,8 @@ typedef struct olx_surface_point {
 
 typedef struct olx_surface_light {
   olx_vec3 irradiance; // W/m^2
-  uint32_t probes;     // number of probes that were blended; 0: nothing is stored here, and the volume was used
+  uint32_t probes;     // number of probes that were blended; 0: nothing is stored for this surface, and the light is
+                       // that of a surface close to it or of the volume
 } olx_surface_light;
 
 olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,

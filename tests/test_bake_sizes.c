@@ -307,7 +307,7 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   assert_int_not_equal(access(path, F_OK), 0);
   assert_int_equal(olx_bake_measure(scene, &settings, path, &sizes), OLX_ERROR_FILE);
   assert_int_equal(sizes.probes, 1000000);
-  assert_true(sizes.file_bytes > 8ull * 514 * 514 * 1000000);
+  assert_true(sizes.file_bytes > 5ull * 514 * 514 * 1000000);
   // Irradiance probes alone make a small file whose bake needs more memory than a machine has.
   settings.radiance_size = settings.irradiance_size = 8;
   settings.irradiance_form = OLX_IRRADIANCE_SH2;

@@ -33,7 +33,8 @@ enum {
 };
 // The share of tiles whose indirect light takes full resolution, where they show one plane and where they do not;
 // measured in rooms. Before a bake it is not known.
-#define FULL_SHARE_FLAT 0.18
+#define FULL_SHARE_FLAT 32.0     // divided by the texels along a side of a map,
+#define FULL_SHARE_MOST_FLAT 0.6 // and at most this
 #define FULL_SHARE_EDGE 0.9
 // Indirect light is taken as this share of the brightest direct light in a tile, because errors of direct light are
 // weighed relative to all light.
@@ -240,7 +241,8 @@ static double new_bytes(const tile_sampling *s, stored_blocks *blocks) {
 
 static double surface_bytes(const tile_sampling *s) {
   const double flat = atomic_load(&s->flat_tiles), edge = atomic_load(&s->edge_tiles),
-               full = FULL_SHARE_FLAT * flat + FULL_SHARE_EDGE * edge;
+               flat_share = fmin(FULL_SHARE_FLAT / s->maps->size, FULL_SHARE_MOST_FLAT),
+               full = flat_share * flat + FULL_SHARE_EDGE * edge;
   double bytes = (flat + edge + 3.0 * full) * sizeof(olx_bc6h_block) / s->sampled;
   for (uint32_t map = 0; map < STORED; map++) bytes += new_bytes(s, s->blocks[map]);
   return bytes / TEXELS;

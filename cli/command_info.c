@@ -145,7 +145,7 @@ static void print_info(const char *path, const description *d) {
   if (d->version == CURRENT_VERSION) {
     printf("  lights             %u without area\n", info->scene.light_count);
     printf("  geometry           %s\n", info->maps.geometry_blocks ? "in blocks of 4x4 texels" : "as texels");
-    printf("  light, material    %s\n", info->maps.compressed ? "in blocks of 4x4 texels" : "as texels, uncompressed");
+    printf("  light, material    %s\n", info->maps.compressed ? "in tiles of 8x8 texels" : "as texels, uncompressed");
   }
   printf("  scene              %016" PRIx64 "\n", info->scene.hash);
   if (d->version != CURRENT_VERSION) return; // chunks of other versions are not read

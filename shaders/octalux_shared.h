@@ -169,10 +169,10 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_NORMAL_UNORM 8 // normals are stored as 0..1
 #define OLX_FRAME_DIFFUSE 16     // the composite pass adds this lobe
 #define OLX_FRAME_GLOSSY 32
-#define OLX_FRAME_SAMPLE 64 // the lobe is denoised: write samples
+#define OLX_FRAME_SAMPLE 64             // the lobe is denoised: write samples
 #define OLX_FRAME_IRRADIANCE_PROBES 128 // irradiance comes from irradiance probes alone
-#define OLX_FRAME_RANK_ALL 256 // all probes are ranked for light on surfaces, not those nearby
-#define OLX_FRAME_GEOMETRIC_NORMAL 512 // the host gives this image
+#define OLX_FRAME_RANK_ALL 256          // all probes are ranked for light on surfaces, not those nearby
+#define OLX_FRAME_GEOMETRIC_NORMAL 512  // the host gives this image
 #define OLX_FRAME_GEOMETRIC_UNORM 1024
 #define OLX_FRAME_VERTEX_NORMAL 2048
 #define OLX_FRAME_VERTEX_UNORM 4096
@@ -220,6 +220,14 @@ typedef struct olx_gpu_uvec4 {
 
 // texels: texels along a side of a tile of emission, and the code of a specular weight of 1 (src/block/reflectance.h);
 // codes above it are metalness, codes below it weights.
+// Tiles of surfaces: a word for 8 x 8 texels of a map, which names blocks in a pool. The two highest bits are its form;
+// the others are the number of its first block. A word of 0 is a tile of nothing but sky.
+#define OLX_TILE_SIDE 8u
+#define OLX_TILE_FORM_SHIFT 30u
+#define OLX_TILE_HALF 1u     // one block: a texel of it for 2 x 2 texels
+#define OLX_TILE_FULL 2u     // four blocks, row by row
+#define OLX_POOL_ROW_BITS 9u // an image of a pool has 512 blocks in a row, and up to 512 rows in a layer
+
 #define OLX_EMISSION_TILE 8u
 #define OLX_REFLECTANCE_FULL 128.0f
 
@@ -402,14 +410,16 @@ OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_uint lights_first, light_count; // without area; none where there are more than OLX_MOST_HIGHLIGHTS
   olx_gpu_float last_bounce;              // the share of indirect light that has all bounces behind it
   olx_gpu_uint volume_first;              // the irradiance volume, in words; 0: the field has none
-  olx_gpu_uvec4 pyramid_first; // where its levels begin, the finest first
-  olx_gpu_float surface_scale; // where maps of surfaces begin, relative to others: below 1 when they have no border
-  olx_gpu_uint surface_border; // 1, or 0 without
-  olx_gpu_uint compressed;     // 1: materials are packed as in blocks, whatever format their images have
-  olx_gpu_uint planes_first;   // of geometry blocks, in words
+  olx_gpu_uvec4 pyramid_first;            // where its levels begin, the finest first
+  olx_gpu_float map_scale;                // 1 / texels along a side of a light field map with its border
+  olx_gpu_uint tiled;        // 1: surfaces are tiles, whose blocks lie in images of pools; 0: maps of texels
+  olx_gpu_uint compressed;   // 1: materials are packed as in blocks, whatever format their images have
+  olx_gpu_uint planes_first; // of geometry blocks, in words
   olx_gpu_uint plane_count;
   olx_gpu_float geometry_scale; // of where maps of geometry blocks begin to where others do; 0 for geometry of texels
-  olx_gpu_uint padding[2];
+  olx_gpu_uint unused_1, unused_2;
+  olx_gpu_uvec4 tile_words;  // where the tiles of base, specular, direct and indirect light begin, in words
+  olx_gpu_uvec4 tile_blocks; // the number of blocks in the pool of each
 };
 
 OLX_GPU_STRUCT(olx_gpu_probe) {
@@ -459,9 +469,9 @@ OLX_GPU_STRUCT(olx_frame_constants) {
   olx_gpu_uint max_probes;
   olx_gpu_uint glossy_samples; // rays a pixel on glossy surfaces
   olx_gpu_uint sample_index;   // of the frame: another draw of random numbers
-  olx_gpu_float dim_lobe; // rough lobes that reflect less are not traced
+  olx_gpu_float dim_lobe;      // rough lobes that reflect less are not traced
   olx_gpu_uint seed;
-  olx_gpu_uint diffuse_samples; // rays a pixel on diffuse surfaces, when they are traced
+  olx_gpu_uint diffuse_samples;    // rays a pixel on diffuse surfaces, when they are traced
   olx_gpu_float surface_tolerance; // footprints
   olx_gpu_uint padding[2];
 };
@@ -477,9 +487,9 @@ OLX_GPU_STRUCT(olx_gpu_camera) {
 OLX_GPU_STRUCT(olx_accumulate_constants) {
   olx_gpu_camera now, before;
   // The depth along the viewing axis is now.up.w / (depth image - before.up.w).
-  olx_gpu_uint size;            // width, and in the upper half height
-  olx_gpu_uint flags;           // OLX_DENOISE_*
-  olx_gpu_float empty_depth;    // of pixels that show no surface
+  olx_gpu_uint size;         // width, and in the upper half height
+  olx_gpu_uint flags;        // OLX_DENOISE_*
+  olx_gpu_float empty_depth; // of pixels that show no surface
   olx_gpu_float diffuse_history, diffuse_still_history;
   olx_gpu_float glossy_history, glossy_still_history;
   olx_gpu_uint padding;

@@ -228,27 +228,40 @@ static void copy_inside(const olx_field *f, const void *map, uint32_t probe, siz
 }
 
 void analytic_field_compress(olx_field *f) {
-  const size_t texels = (size_t)f->n * f->n, blocks = texels / 16, count = blocks * f->info.probes.count;
+  const size_t texels = (size_t)f->n * f->n, tiles = texels / OLX_TILE_TEXELS;
+  const uint32_t probes = f->info.probes.count;
   const olx_field_surfaces plain = f->surfaces;
   uint32_t *base = zeroed(texels, 4), *direct = zeroed(texels, 4), *indirect = zeroed(texels, 4);
   uint16_t *specular = zeroed(texels, 2), *distance = zeroed(texels, 2);
-  const olx_surface_blocks all = {zeroed(count, 8), zeroed(count, 16), zeroed(count, 16), zeroed(count, 16)};
+  uint32_t *words[OLX_SURFACE_MAPS];
+  char *pools[OLX_SURFACE_MAPS];
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    words[map] = zeroed(tiles * probes, sizeof *words[map]);
+    pools[map] = zeroed(4 * tiles * probes, olx_surface_block_bytes(map));
+    f->surfaces.tiled[map] = (olx_tiled_maps){words[map], pools[map], 0};
+  }
+  olx_surface_maker maker;
+  if (olx_surface_maker_create(f->n, &maker) != OLX_OK) abort();
   const olx_surface_texels inside = {base, specular, direct, indirect, distance};
-  for (uint32_t probe = 0; probe < f->info.probes.count; probe++) {
+  for (uint32_t probe = 0; probe < probes; probe++) {
     copy_inside(f, plain.base, probe, 4, base);
     copy_inside(f, plain.specular, probe, 2, specular);
     copy_inside(f, plain.direct, probe, 4, direct);
     copy_inside(f, plain.indirect, probe, 4, indirect);
     copy_inside(f, f->distance, probe, 2, distance);
-    const size_t first = blocks * probe;
-    const olx_surface_blocks own = {all.base + first, all.specular + first, all.direct + first, all.indirect + first};
-    if (olx_surface_encode(&inside, f->n, 1, &own) != OLX_OK) abort();
+    if (olx_surface_maker_encode(&maker, &inside, f->n, 1) != OLX_OK) abort();
+    for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+      const olx_tiled_maps *own = &maker.maps[map];
+      uint32_t *used = &f->surfaces.tiled[map].count;
+      for (size_t i = 0; i < tiles; i++) words[map][tiles * probe + i] = own->words[i] ? own->words[i] + *used : 0;
+      memcpy(pools[map] + (size_t)*used * olx_surface_block_bytes(map), own->blocks,
+             (size_t)own->count * olx_surface_block_bytes(map));
+      *used += own->count;
+    }
   }
+  olx_surface_maker_free(&maker);
   f->info.maps.compressed = true;
-  f->surfaces.base_blocks = all.base;
-  f->surfaces.specular_blocks = all.specular;
-  f->surfaces.direct_blocks = all.direct;
-  f->surfaces.indirect_blocks = all.indirect;
+  f->surfaces.tile_side = f->n / OLX_TILE_SIDE;
   f->surfaces.base = f->surfaces.direct = f->surfaces.indirect = NULL;
   f->surfaces.specular = NULL;
   const void *done[] = {plain.base, plain.specular, plain.direct, plain.indirect, base,
@@ -299,10 +312,18 @@ void analytic_field_block_geometry(olx_field *f) {
 
 void analytic_field_free(olx_field *f) {
   const olx_field_surfaces *s = &f->surfaces;
-  const void *blocks[] = {f->probe_positions, f->probe_flags,     f->radiance,      f->normal,          f->distance,
-                          f->least,           f->greatest,        f->irradiance,    f->moments,         s->base,
-                          s->specular,        s->direct,          s->indirect,      s->emission,        s->tiles,
-                          s->base_blocks,     s->specular_blocks, s->direct_blocks, s->indirect_blocks, f->geometry,
+  const void *blocks[] = {f->probe_positions, f->probe_flags,
+                          f->radiance,        f->normal,
+                          f->distance,        f->least,
+                          f->greatest,        f->irradiance,
+                          f->moments,         s->base,
+                          s->specular,        s->direct,
+                          s->indirect,        s->emission,
+                          s->tiles,           s->tiled[0].words,
+                          s->tiled[1].words,  s->tiled[2].words,
+                          s->tiled[3].words,  s->tiled[0].blocks,
+                          s->tiled[1].blocks, s->tiled[2].blocks,
+                          s->tiled[3].blocks, f->geometry,
                           f->planes.planes,   f};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free((void *)(uintptr_t)blocks[i]);
 }

@@ -244,15 +244,20 @@ static void add_volume(olx_field *field, parity_volume *v) {
   field->volume.irradiance = v->irradiance;
 }
 
-// Compresses surfaces into blocks. Their materials use only the two end values of each block, since devices may round
+// Compresses surfaces into tiles. Their materials use only the two end values of each block, since devices may round
 // the values between them differently.
 static void compress_surfaces(olx_field *field) {
   analytic_field_compress(field);
-  const size_t count = (size_t)field->n * field->n / 16 * field->info.probes.count;
-  olx_bc1_block *base = (olx_bc1_block *)(uintptr_t)field->surfaces.base_blocks;
-  olx_bc5_block *specular = (olx_bc5_block *)(uintptr_t)field->surfaces.specular_blocks;
-  for (size_t i = 0; i < count; i++) {
-    base[i].words[1] &= 0x55555555u;
+  const uint32_t tiles = field->surfaces.tile_side * field->surfaces.tile_side * field->info.probes.count;
+  for (uint32_t i = 0; i < OLX_SURFACE_MAPS * tiles; i += 3) { // some of half resolution, by a block that is there
+    uint32_t *word = (uint32_t *)(uintptr_t)field->surfaces.tiled[i / tiles].words + i % tiles;
+    if (*word) *word = olx_tile_first(*word) | OLX_TILE_HALF << OLX_TILE_FORM_SHIFT;
+  }
+  const olx_tiled_maps *tiled = field->surfaces.tiled;
+  olx_bc1_block *base = (olx_bc1_block *)(uintptr_t)tiled[OLX_SURFACE_BASE].blocks;
+  olx_bc5_block *specular = (olx_bc5_block *)(uintptr_t)tiled[OLX_SURFACE_SPECULAR].blocks;
+  for (uint32_t i = 0; i < tiled[OLX_SURFACE_BASE].count; i++) base[i].words[1] &= 0x55555555u;
+  for (uint32_t i = 0; i < tiled[OLX_SURFACE_SPECULAR].count; i++) {
     olx_bc4_block *pair[2] = {&specular[i].red, &specular[i].green};
     for (uint32_t k = 0; k < 2; k++) {
       pair[k]->words[0] &= 0x9249FFFFu;

@@ -38,7 +38,10 @@ void hits_rows() {
     olx_bsdf b = olx_texel_material(olx_map_origin(probe), texel);
     put(b.albedo), put(b.f0), put(b.f90), put(b.dielectric_weight), put(b.alpha);
   } break;
-  case ROW_olx_surface_at: put(olx_surface_at(olx_map_origin(probe), texel)); break;
+  case ROW_olx_surface_at: {
+    ivec3 at = olx_surface_at(olx_map_origin(probe), texel, olx_field.tile_words.w, olx_field.tile_blocks.w);
+    put(at.z < 0 ? ivec3(-1) : at);
+    } break;
   case ROW_olx_texel_direct: put(olx_texel_direct(olx_map_origin(probe), texel)); break;
   case ROW_olx_texel_emission: put(olx_texel_emission(probe, texel)); break;
   case ROW_olx_word_vector:

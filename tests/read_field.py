@@ -67,9 +67,11 @@ def read_chunks(data):
 
 # Chunks of probe light: a field has all of them, some with IRSH in place of IRRA, or none.
 PROBE_LIGHT = {"RADI", "IPOS", "IFLG", "IRRA", "MOME"}
-# Chunks of surfaces as texels; fields with blocks have other chunks in their place.
+# Chunks of surfaces as texels; fields with tiles have other chunks in their place: words of tiles, and pools of blocks.
 TEXELS = ("BASE", "SPEC", "DIRE", "INDI")
-BLOCKS = ("BAS1", "REF5", "DIR6", "IND6")
+TILED = ("TBAS", "TREF", "TDIR", "TIND")
+POOLS = ("PBAS", "PREF", "PDIR", "PIND")
+BLOCKS = TILED + POOLS
 # Chunks of geometry as texels; fields with geometry blocks have other chunks in their place.
 DISTANCES = ("NORM", "DIST")
 PLANES = ("GEOM", "PLAN")
@@ -111,10 +113,14 @@ SHAPES = {
     "SPEC": lambda d: (2, (d["n"] + 2) ** 2, d["P"]),
     "DIRE": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
     "INDI": lambda d: (4, (d["n"] + 2) ** 2, d["P"]),
-    "BAS1": lambda d: (8, d["n"] ** 2 // 16, d["P"]),
-    "REF5": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
-    "DIR6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
-    "IND6": lambda d: (16, d["n"] ** 2 // 16, d["P"]),
+    "TBAS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
+    "TREF": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
+    "TDIR": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
+    "TIND": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
+    "PBAS": lambda d: (8, 1, None),
+    "PREF": lambda d: (16, 1, None),
+    "PDIR": lambda d: (16, 1, None),
+    "PIND": lambda d: (16, 1, None),
     "EMIS": lambda d: (4, (d["n"] // 8) ** 2, d["P"]),
     "LITE": lambda d: (64, 1, None),  # any number of records
     "ETIL": lambda d: (4, 64, None),
@@ -156,11 +162,12 @@ def read_info(blob):
     d["scene_min"], d["scene_max"] = (list(struct.unpack_from("<3f", blob, at)) for at in (48, 60))
     d["grid"], d["irradiance_grid"] = read_grid(blob, 72), read_grid(blob, 108)
     d["scene_hash"], d["last_bounce"], form = struct.unpack_from("<QfI", blob, 144)
-    d["blocks"], d["planes"] = form & 1, form >> 1
+    need(form in (0, 2, 4, 6), "INFO: form")
+    d["blocks"], d["planes"] = form >> 2, form >> 1 & 1
     need(0 <= d["last_bounce"] <= 1, "INFO: last bounce")
     need(d["n"] in [2 ** i for i in range(3, 12)] and d["m"] in [2 ** i for i in range(3, 9)] + [0] * (not d["Q"]), "sizes")
     need(d["Q"] or (d["form"], d["m"], blob[108:144]) == (0, 0, bytes(36)), "INFO: speaks of irradiance probes")
-    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1 and d["planes"] in (0, 1), "INFO")
+    need(d["P"] >= 1 and d["has_grid"] in (0, 1) and d["samples"] >= 1, "INFO")
     need(d["has_grid"] or not d["selectors"] & 1, "selectors")
     need(1e-18 <= d["scale"] <= 1e18, "distance scale")
     need(all(a <= b for a, b in zip(d["scene_min"], d["scene_max"])), "bounds")
@@ -490,38 +497,43 @@ def decode_bc4(data):
     return [line[bits_of(block, 16 + 3 * i, 3)] for i in range(16)]
 
 
-def unblock(chunks, name, d, probe, decode, size, offset=0, bytes_used=None):
-    """A map of blocks as rows of texels."""
-    blob, record_bytes, _ = chunks[name]
-    n, used = d["n"], bytes_used or size
+def untile(chunks, name, d, probe, decode, size, offset=0, bytes_used=None):
+    """A map of tiles as rows of texels; None for tiles of sky."""
+    words, pool = record(chunks, "T" + name, probe), chunks["P" + name][0]
+    n, used, decoded = d["n"], bytes_used or size, {}
     rows = [[None] * n for _ in range(n)]
-    for block in range(n * n // 16):
-        at = record_bytes * probe + size * block + offset
-        for i, texel in enumerate(decode(blob[at:at + used])):
-            rows[block // (n // 4) * 4 + i // 4][block % (n // 4) * 4 + i % 4] = texel
+    for tile, word in enumerate(words):
+        form, first = word >> 30, word & (1 << 30) - 1
+        if not word:
+            continue
+        need(form in (1, 2) and size * (first + (1, 4)[form - 1]) <= len(pool), f"T{name} of probe {probe}: tile {tile}")
+        for i in range(64):
+            x, y = i % 8, i // 8
+            block, texel = (first, y // 2 * 4 + x // 2) if form == 1 else (first + y // 4 * 2 + x // 4, y % 4 * 4 + x % 4)
+            if block not in decoded:
+                decoded[block] = decode(pool[size * block + offset:size * block + offset + used])
+            rows[tile // (n // 8) * 8 + y][tile % (n // 8) * 8 + x] = decoded[block][texel]
     return rows
 
 
-def check_sky_blocks(chunks, d, probe, sky):
-    """Blocks of nothing but sky are 0, and 3 in the first word of light."""
-    for name, size, first in (("BAS1", 8, 0), ("REF5", 16, 0), ("DIR6", 16, 3), ("IND6", 16, 3)):
-        blob, record_bytes, _ = chunks[name]
-        for block in range(d["n"] ** 2 // 16):
-            x, y = block % (d["n"] // 4) * 4, block // (d["n"] // 4) * 4
-            at = record_bytes * probe + size * block
-            if all(sky[y + i // 4][x + i % 4] for i in range(16)):
-                need(int.from_bytes(blob[at:at + size], "little") == first, f"{name} of probe {probe}: sky at ({x}, {y})")
+def check_sky_tiles(chunks, d, probe, sky):
+    """Tiles of nothing but sky are 0, and no others."""
+    for name in TILED:
+        for tile, word in enumerate(record(chunks, name, probe)):
+            x, y = tile % (d["n"] // 8) * 8, tile // (d["n"] // 8) * 8
+            alone = all(sky[y + i // 8][x + i % 8] for i in range(64))
+            need(alone == (word == 0), f"{name} of probe {probe}: tile at ({x}, {y})")
 
 
 def read_surfaces(chunks, d, probe, sky):
     """Rows of (base colour, roughness, metallic, specular weight, direct light, indirect light); None for the sky."""
     n, rows = d["n"], []
     if d["blocks"]:
-        check_sky_blocks(chunks, d, probe, sky)
-        base = unblock(chunks, "BAS1", d, probe, decode_bc1, 8)
-        roughness = unblock(chunks, "REF5", d, probe, decode_bc4, 16, 0, 8)
-        reflectance = unblock(chunks, "REF5", d, probe, decode_bc4, 16, 8, 8)
-        direct, indirect = (unblock(chunks, name, d, probe, decode_bc6h, 16) for name in ("DIR6", "IND6"))
+        check_sky_tiles(chunks, d, probe, sky)
+        base = untile(chunks, "BAS", d, probe, decode_bc1, 8)
+        roughness = untile(chunks, "REF", d, probe, decode_bc4, 16, 0, 8)
+        reflectance = untile(chunks, "REF", d, probe, decode_bc4, 16, 8, 8)
+        direct, indirect = (untile(chunks, name, d, probe, decode_bc6h, 16) for name in ("DIR", "IND"))
     else:
         maps = {name: record(chunks, name, probe) for name in TEXELS}
         for name, codes in maps.items():
@@ -531,7 +543,7 @@ def read_surfaces(chunks, d, probe, sky):
         for x in range(n):
             if d["blocks"]:
                 r = reflectance[y][x]
-                surface = ([(b / 255) ** 2 for b in base[y][x]], roughness[y][x] / 255, max(r - 128, 0) / 127,
+                surface = None if r is None else ([(b / 255) ** 2 for b in base[y][x]], roughness[y][x] / 255, max(r - 128, 0) / 127,
                            min(r / 128, 1), direct[y][x], indirect[y][x])
             else:
                 codes = [maps[name][(y + 1) * (n + 2) + x + 1] for name in TEXELS]
@@ -829,7 +841,8 @@ def read(path):
         "volume_probes": check_volume(chunks) if "VOLU" in chunks else 0,
         "origin": read_origin(chunks), "radiance_size": d["n"], "irradiance_size": d["m"], "select": ",".join(names) or "none", "file_bytes": len(data),
         "bytes": {"radiance": size("RADI"), "normal": size("NORM"), "distance": size("DIST"), "pyramid": size("DMIN") + size("DMAX"), "geometry": size("GEOM") + size("PLAN"),
-                  "material": sum(map(size, ("BASE", "SPEC", "BAS1", "REF5"))), "direct": size("DIRE") + size("DIR6"), "indirect": size("INDI") + size("IND6"),
+                  "material": sum(map(size, ("BASE", "SPEC", "TBAS", "TREF", "PBAS", "PREF"))),
+                  "direct": sum(map(size, ("DIRE", "TDIR", "PDIR"))), "indirect": sum(map(size, ("INDI", "TIND", "PIND"))),
                   "emission": size("EMIS") + size("ETIL"), "irradiance": size(irradiance_chunk(d)[0]), "moments": size("MOME"), "selector": sum(map(size, stored)),
                   "classic": sum(size(name) for name in CLASSIC if name in chunks),
                   "volume": sum(size(name) for name in VOLUME if name in chunks)},

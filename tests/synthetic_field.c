@@ -146,8 +146,10 @@ static olx_result write_blocks(olx_field_writer *writer, uint32_t probe, const u
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
                                         synthetic_surfaces_room *room) {
   for (uint32_t i = 0; i < n * n; i++) {
-    const float a = olx_unit_float(olx_hash3(i, n, probe ^ 0x1000u)),
-                b = olx_unit_float(olx_hash3(i, n, probe ^ 0x2000u));
+    const uint32_t tile = i / n / OLX_TILE_SIDE * (n / OLX_TILE_SIDE) + i % n / OLX_TILE_SIDE,
+                   place = probe % 3 == 1 ? tile : i; // tiles of one surface and of many
+    const float a = olx_unit_float(olx_hash3(place, n, probe ^ 0x1000u)),
+                b = olx_unit_float(olx_hash3(place, n, probe ^ 0x2000u));
     const bool sky = distance[i] == 0x7C00, emits = distance[i] >= 0x7C00 && (probe % 2 == 0 || i >= n * n / 4 * 3);
     const olx_texel_material_codes material = olx_material_pack(olx_v3(a, b, a * b), b, a > 0.5f, a);
     room->base[i] = sky ? 0 : material.base;
@@ -156,15 +158,13 @@ olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16
     room->indirect[i] = sky ? 0 : olx_rgb9e5_pack(olx_v3(b, a, 0.1f));
     room->emission[i] = emits ? olx_rgb9e5_pack(olx_v3(20.0f, 10.0f + a, b)) : 0;
   }
-  return (olx_surface_maps){room->base, room->specular, room->direct, room->indirect, room->emission};
+  return (olx_surface_maps){room->base, room->specular, room->direct, room->indirect, .emission = room->emission};
 }
 
-olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps) {
+void synthetic_surface_tiles(uint32_t n, const uint16_t *distance, olx_surface_maker *maker, olx_surface_maps *maps) {
   const olx_surface_texels texels = {maps->base, maps->specular, maps->direct, maps->indirect, distance};
-  olx_surface_blocks blocks;
-  if (olx_surface_blocks_create(n, &blocks) != OLX_OK || olx_surface_encode(&texels, n, 1, &blocks) != OLX_OK) abort();
-  *maps = (olx_surface_maps){blocks.base, blocks.specular, blocks.direct, blocks.indirect, maps->emission};
-  return blocks;
+  if (olx_surface_maker_create(n, maker) != OLX_OK || olx_surface_maker_encode(maker, &texels, n, 1) != OLX_OK) abort();
+  *maps = (olx_surface_maps){.tiled = maker->maps, .emission = maps->emission};
 }
 
 void synthetic_irradiance_maps(uint32_t n, uint32_t probe, uint32_t *irradiance, uint32_t *moments) {
@@ -241,8 +241,7 @@ typedef struct relight_rows {
 } relight_rows;
 
 static relight_rows relight_rows_of(const synthetic_shape *shape, uint32_t blocks) {
-  return (relight_rows){.links = {shape->relight_surfels, 0, 4},
-                        .entries = {blocks + OLX_RELIGHT_BLOCK_SITES, 0, 4}};
+  return (relight_rows){.links = {shape->relight_surfels, 0, 4}, .entries = {blocks + OLX_RELIGHT_BLOCK_SITES, 0, 4}};
 }
 
 static void put(char **next, const void *data, size_t size_bytes) {
@@ -358,14 +357,13 @@ olx_result synthetic_write_probes(olx_field_writer *writer, const synthetic_shap
     const bool probe_light = probes_of(shape->irradiance_grid) > 0;
     const uint32_t *radiance = probe_light ? first : NULL;
     const synthetic_geometry geometry = {shape->n, normal, distance};
-    result = shape->geometry_blocks
-                 ? write_blocks(writer, i, radiance, &geometry)
-                 : olx_field_writer_probe(writer, i, synthetic_flags(i), radiance, normal, distance);
+    result = shape->geometry_blocks ? write_blocks(writer, i, radiance, &geometry)
+                                    : olx_field_writer_probe(writer, i, synthetic_flags(i), radiance, normal, distance);
     olx_surface_maps maps = synthetic_surface_maps(shape->n, i, distance, room);
-    olx_surface_blocks blocks = {0};
-    if (shape->compressed) blocks = synthetic_surface_blocks(shape->n, distance, &maps);
+    olx_surface_maker tiles = {.known = NULL};
+    if (shape->compressed) synthetic_surface_tiles(shape->n, distance, &tiles, &maps);
     if (result == OLX_OK) result = olx_field_writer_surface(writer, i, &maps);
-    olx_surface_blocks_free(&blocks);
+    olx_surface_maker_free(&tiles);
   }
   for (uint32_t i = 0; i < probes_of(shape->irradiance_grid) && result == OLX_OK; i++) {
     synthetic_irradiance_maps(shape->irradiance_n, i, first, second);

@@ -40,8 +40,8 @@ typedef struct synthetic_surfaces_room {
   uint32_t base[256 * 256], direct[256 * 256], indirect[256 * 256], emission[256 * 256];
   uint16_t specular[256 * 256];
 } synthetic_surfaces_room;
-// Returns the blocks of such surfaces, to be freed; maps point to them from then on.
-olx_surface_blocks synthetic_surface_blocks(uint32_t n, const uint16_t *distance, olx_surface_maps *maps);
+// Encodes such surfaces as tiles; maps point into `maker`, which is to be freed, from then on.
+void synthetic_surface_tiles(uint32_t n, const uint16_t *distance, olx_surface_maker *maker, olx_surface_maps *maps);
 // Makes the surfaces for these distances, which point into `room`. Odd probes emit in their last quarter alone.
 olx_surface_maps synthetic_surface_maps(uint32_t n, uint32_t probe, const uint16_t *distance,
                                         synthetic_surfaces_room *room);

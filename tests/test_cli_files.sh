@@ -63,7 +63,7 @@ planned=$(python3 -c 'import json; print(json.load(open("stdout.txt"))["file_byt
 expect_json "$planned <= o['file_bytes'] <= $planned + 4 * 8 * 16**2 + 64" bake $small # emission: at most 4 bytes a texel
 expect_json 'o["compressed"] is True and (o["bytes"]["material"], o["bytes"]["direct"]) == (8 * 16 * 24, 8 * 16 * 16)' info a.olx
 expect 0 info a.olx
-grep -q "light, material *in blocks of 4x4 texels" stdout.txt || fail "info does not tell of blocks"
+grep -q "light, material *in tiles of 8x8 texels" stdout.txt || fail "info does not tell of tiles"
 expect 0 bake $small --uncompressed
 expect_json 'o["compressed"] is False and (o["bytes"]["material"], o["bytes"]["direct"]) == (8 * 18**2 * 6, 8 * 18**2 * 4)' info a.olx
 expect 0 verify a.olx

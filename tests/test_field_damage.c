@@ -246,9 +246,9 @@ static void test_refuses_a_wrong_description(void **state) {
   REFUSED(irradiance_form = 3, "unknown form of irradiance 3");
   REFUSED(irradiance_form = UINT32_MAX, "unknown form of irradiance");
   REFUSED(irradiance_form = OLX_IRRADIANCE_SH2, "no chunk IRSH");
-  REFUSED(form = 4, "an unknown form");
+  REFUSED(form = 8, "an unknown form");
   REFUSED(form = 2, "a chunk NORM, but the description has geometry in blocks");
-  REFUSED(form = 1, "no chunk BAS1");
+  REFUSED(form = 4, "no chunk TBAS");
 #undef REFUSED
   i.info->select_mask = 1u << OLX_SELECT_BRICKS; // a selector whose chunk is missing
   field_seal(&i);
@@ -440,18 +440,21 @@ static void test_verify_reads_surfaces(void **state) {
 
 // The form that a description states must agree with the chunks, and an older reader refuses chunks that it does not
 // know.
-static void test_refuses_texels_for_blocks(void **state) {
+static void test_refuses_texels_for_tiles(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
   const olx_file_info good = *i.info;
   i.info->form = 0;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "no chunk BASE");
-  i.info->form = 5;
+  i.info->form = 12;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "a flag that is not 0 or 1");
+  i.info->form = 1;
+  field_seal(&i);
+  assert_field_refused(&i, OLX_ERROR_UNSUPPORTED, "tiles have replaced; bake the scene again");
   *i.info = good;
   const olx_chunk_kind kinds[] = {OLX_CHUNK_BASE, OLX_CHUNK_SPECULAR, OLX_CHUNK_DIRECT, OLX_CHUNK_INDIRECT};
-  static const char *const names[] = {"BAS1", "REF5", "DIR6", "IND6"};
+  static const char *const names[] = {"TBAS", "TREF", "TDIR", "TIND"};
   for (uint32_t k = 0; k < 4; k++) {
     olx_file_chunk *chunk = &i.chunks[kinds[k]];
     const olx_file_chunk kept = *chunk;
@@ -469,42 +472,41 @@ static void test_refuses_texels_for_blocks(void **state) {
   olx_release(i.bytes);
 }
 
-// Blocks of light have fourteen valid modes, and blocks of sky must be zero.
-static void test_verify_reads_blocks(void **state) {
+// Tiles name blocks that exist, those of sky alone are 0, and blocks of light have fourteen valid modes.
+static void test_verify_reads_tiles(void **state) {
   const field_image i = field_image_load(*state, &of_blocks);
-  enum { FIRST = 16 * 7 + 5, SKY = 16 * 3 + 6 }; // blocks of probes 7 and 3
-  const olx_chunk_kind lights[] = {OLX_CHUNK_DIRECT, OLX_CHUNK_INDIRECT};
-  static const char *const names[] = {"direct light", "indirect light"};
-  for (uint32_t k = 0; k < 2; k++) {
-    olx_bc6h_block *blocks = field_chunk(&i, lights[k]);
-    char message[64];
-    for (uint32_t mode = 0; mode < 32; mode++) {
-      const uint32_t good = blocks[FIRST].words[0];
-      blocks[FIRST].words[0] = (good & ~31u) | mode;
+  enum { PROBE = 7, TILES_A_PROBE = 4, POOLS = OLX_CHUNK_REQUIRED + 1 };
+  static const char *const names[] = {"base colour", "reflectance", "direct light", "indirect light"};
+  char message[96];
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    uint32_t *word = (uint32_t *)field_chunk(&i, OLX_CHUNK_BASE + map) + TILES_A_PROBE * PROBE + 1;
+    const uint32_t good = *word, blocks = (uint32_t)i.chunks[POOLS + map].size_bytes / olx_surface_block_bytes(map);
+    const struct {
+      uint32_t word;
+      const char *problem;
+    } damages[] = {{0, "a tile of no form"},
+                   {3u << 30, "a tile of no form"},
+                   {1u << 30 | blocks, "a tile of blocks that are not there"},
+                   {2u << 30 | (blocks - 3), "a tile of blocks that are not there"}};
+    for (uint32_t k = 0; k < sizeof damages / sizeof damages[0]; k++) {
+      *word = damages[k].word;
       field_seal(&i);
-      snprintf(message, sizeof message, "%s of probe 7, texel (4, 4): a block of no mode", names[k]);
+      snprintf(message, sizeof message, "%s of probe 7, texel (8, 0): %s", names[map], damages[k].problem);
+      assert_field_unverified(&i, OLX_ERROR_FORMAT, message);
+    }
+    *word = good;
+    if (map < OLX_SURFACE_DIRECT) continue;
+    olx_bc6h_block *block = (olx_bc6h_block *)field_chunk(&i, POOLS + map) + (good & 0x3FFFFFFFu);
+    for (uint32_t mode = 0; mode < 32; mode++) {
+      const uint32_t first = block->words[0];
+      block->words[0] = (first & ~31u) | mode;
+      field_seal(&i);
+      snprintf(message, sizeof message, "%s of probe 7, texel (8, 0): a block of no mode", names[map]);
       if (mode == 19 || mode == 23 || mode == 27 || mode == 31) assert_field_unverified(&i, OLX_ERROR_FORMAT, message);
       else assert_field_sound(&i);
-      blocks[FIRST].words[0] = good;
-    }
-    snprintf(message, sizeof message, "%s of probe 3, texel (8, 4): a block of sky that is not black", names[k]);
-    for (uint32_t word = 0; word < 4; word++) {
-      blocks[SKY].words[word] ^= 0x100;
-      field_seal(&i);
-      assert_field_unverified(&i, OLX_ERROR_FORMAT, message);
-      blocks[SKY].words[word] ^= 0x100;
+      block->words[0] = first;
     }
   }
-  olx_bc1_block *base = field_chunk(&i, OLX_CHUNK_BASE);
-  base[SKY].words[1] = 1;
-  field_seal(&i);
-  assert_field_unverified(&i, OLX_ERROR_FORMAT, "base colour of probe 3, texel (8, 4): a block of sky that is not 0");
-  base[SKY].words[1] = 0;
-  olx_bc5_block *specular = field_chunk(&i, OLX_CHUNK_SPECULAR);
-  specular[SKY].green.words[1] = 1;
-  field_seal(&i);
-  assert_field_unverified(&i, OLX_ERROR_FORMAT, "reflectance of probe 3, texel (8, 4): a block of sky that is not 0");
-  specular[SKY].green.words[1] = 0;
   field_seal(&i);
   assert_field_sound(&i);
   olx_release(i.bytes);
@@ -616,8 +618,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_verify_reads_the_content, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_wrong_lights, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_surfaces, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_refuses_texels_for_blocks, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_verify_reads_blocks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_texels_for_tiles, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_verify_reads_tiles, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_verify_reads_geometry, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_emission_stays_inside, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_rounded_moments_are_possible, field_set_up, field_tear_down),

@@ -73,8 +73,8 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   const olx_relight_header *h = d->header;
   assert_int_equal(h->surfels, shape->relight_surfels);
   assert_int_equal(field->info.relight.links, h->links);
-  assert_int_equal(size_bytes, 64 + 108ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links +
-                                   8ull * h->blocks + 4ull * (h->sites + 1) + 8ull * h->entries + 4);
+  assert_int_equal(size_bytes, 64 + 108ull * h->surfels + 4ull * (h->surfels + 1) + 8ull * h->links + 8ull * h->blocks +
+                                   4ull * (h->sites + 1) + 8ull * h->entries + 4);
   // Each array begins where the array before it ends.
   assert_ptr_equal(d->surfels, h + 1);
   assert_ptr_equal(d->link_starts, d->surfels + h->surfels);
@@ -86,13 +86,22 @@ static void assert_relight(const olx_field *field, const synthetic_shape *shape)
   assert_ptr_equal(d->volume_links, d->volume_starts + 1);
 }
 
-static void assert_blocks(const olx_field *field, uint32_t probe, const olx_surface_blocks *blocks) {
+// Tiles name the same blocks as those of the probe alone.
+static void assert_tiles(const olx_field *field, uint32_t probe, const olx_surface_maker *maker) {
   const olx_field_surfaces *s = &field->surfaces;
-  const size_t count = (size_t)field->n * field->n / 16, first = count * probe;
-  assert_memory_equal(s->base_blocks + first, blocks->base, 8 * count);
-  assert_memory_equal(s->specular_blocks + first, blocks->specular, 16 * count);
-  assert_memory_equal(s->direct_blocks + first, blocks->direct, 16 * count);
-  assert_memory_equal(s->indirect_blocks + first, blocks->indirect, 16 * count);
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    const olx_tiled_maps *all = &s->tiled[map], *own = &maker->maps[map];
+    const uint32_t bytes = olx_surface_block_bytes(map);
+    for (uint32_t i = 0; i < s->tile_side * s->tile_side; i++) {
+      const uint32_t word = all->words[olx_first_tile(field, probe) + i], count = olx_tile_blocks(word);
+      assert_int_equal(word >> OLX_TILE_FORM_SHIFT, own->words[i] >> OLX_TILE_FORM_SHIFT);
+      assert_true((uint64_t)olx_tile_first(word) + count <= all->count);
+      if (count == 0) continue;
+      assert_memory_equal((const char *)all->blocks + (size_t)olx_tile_first(word) * bytes,
+                          (const char *)own->blocks + (size_t)olx_tile_first(own->words[i]) * bytes,
+                          (size_t)count * bytes);
+    }
+  }
   assert_true(!s->base && !s->specular && !s->direct && !s->indirect);
 }
 
@@ -102,9 +111,10 @@ static void assert_surfaces(const olx_field *field, uint32_t probe, const uint16
   const uint32_t n = field->n;
   olx_surface_maps maps = synthetic_surface_maps(n, probe, distance, room);
   if (field->info.maps.compressed) {
-    olx_surface_blocks blocks = synthetic_surface_blocks(n, distance, &maps);
-    assert_blocks(field, probe, &blocks);
-    olx_surface_blocks_free(&blocks);
+    olx_surface_maker maker;
+    synthetic_surface_tiles(n, distance, &maker, &maps);
+    assert_tiles(field, probe, &maker);
+    olx_surface_maker_free(&maker);
   } else {
     assert_map(s->base + field->texels * probe, maps.base, n, 4);
     assert_map(s->specular + field->texels * probe, maps.specular, n, 2);
@@ -238,9 +248,20 @@ static void test_round_trip(void **state) {
   assert_round_trip(*state, &of_planes);
 }
 
+// Decodes direct light from words and blocks, as docs/format.md describes them.
+static olx_vec3 light_inside(const olx_field *field, uint32_t probe, int32_t x, int32_t y) {
+  const olx_tiled_maps *maps = &field->surfaces.tiled[OLX_SURFACE_DIRECT];
+  const olx_bc6h_block *blocks = maps->blocks;
+  const uint32_t side = field->n / 8, column = (uint32_t)x, row = (uint32_t)y,
+                 word = maps->words[(side * probe + row / 8) * side + column / 8], first = word & 0x3FFFFFFFu;
+  if (word == 0) return olx_splat(0.0f);
+  if (word >> 30 == 1) return olx_bc6h_texel(&blocks[first], row % 8 / 2 * 4 + column % 8 / 2);
+  return olx_bc6h_texel(&blocks[first + row % 8 / 4 * 2 + column % 8 / 4], row % 4 * 4 + column % 4);
+}
+
 // A border texel equals the inner texel that it repeats, and rows for devices that cannot read blocks equal the decoded
 // texels.
-static void test_texels_of_blocks(void **state) {
+static void test_texels_of_tiles(void **state) {
   field_fixture *f = *state;
   olx_field *field;
   assert_int_equal(synthetic_write(f->path, &of_blocks, NULL), OLX_OK);
@@ -252,21 +273,18 @@ static void test_texels_of_blocks(void **state) {
     const int32_t x = i % 18 - 1, y = i / 18 - 1;
     int32_t source_x, source_y;
     olx_border_source(x, y, n, &source_x, &source_y);
-    const uint32_t probe = (uint32_t)i % field->info.probes.count,
-                   block = 16 * probe + (uint32_t)(source_y / 4 * 4 + source_x / 4),
-                   texel = (uint32_t)(source_y % 4 * 4 + source_x % 4);
+    const uint32_t probe = (uint32_t)i % field->info.probes.count;
+    const size_t inside = olx_map_index(field->stride, source_x, source_y);
     const size_t at = olx_map_index(field->stride, x, y);
-    const olx_field_surfaces *s = &field->surfaces;
     const olx_vec3 light = olx_texel_direct(field, probe, at),
-                   expected = olx_bc6h_texel(&s->direct_blocks[block], texel);
+                   expected = light_inside(field, probe, source_x, source_y);
     assert_memory_equal(&light, &expected, sizeof light);
     olx_surface_row(field, OLX_SURFACE_BASE, probe, (uint32_t)(y + 1), base);
     olx_surface_row(field, OLX_SURFACE_SPECULAR, probe, (uint32_t)(y + 1), specular);
     olx_surface_row(field, OLX_SURFACE_DIRECT, probe, (uint32_t)(y + 1), direct);
     olx_surface_row(field, OLX_SURFACE_INDIRECT, probe, (uint32_t)(y + 1), indirect);
-    assert_int_equal(base[x + 1], olx_bc1_texel(&s->base_blocks[block], texel));
-    assert_int_equal(specular[x + 1] & 255u, olx_bc4_texel(&s->specular_blocks[block].red, texel));
-    assert_int_equal(specular[x + 1] >> 8, olx_bc4_texel(&s->specular_blocks[block].green, texel));
+    assert_int_equal(base[x + 1], olx_tiled_base(field, probe, inside));
+    assert_int_equal(specular[x + 1], olx_tiled_specular(field, probe, inside));
     assert_int_equal(direct[x + 1], olx_rgb9e5_pack(light));
     assert_int_equal(indirect[x + 1], olx_rgb9e5_pack(olx_texel_indirect(field, probe, at)));
     const olx_bsdf bsdf = olx_texel_material(field, probe, at);
@@ -412,17 +430,18 @@ static void test_describes(void **state) {
   olx_field_close(field);
 }
 
-// A block takes 56 bytes, 3.5 for a texel, where texels take 14 and have borders.
-static void test_describes_blocks(void **state) {
+// A tile takes 16 bytes and 1 or 4 blocks of each kind, 56 bytes together, where texels take 14 each and have borders.
+static void test_describes_tiles(void **state) {
   field_fixture *f = *state;
   olx_field *field;
   assert_int_equal(synthetic_write(f->path, &of_blocks, NULL), OLX_OK);
   assert_int_equal(olx_field_open(f->path, &field), OLX_OK);
   const olx_field_info info = olx_field_describe(field);
   assert_true(info.maps.compressed);
-  assert_int_equal(info.bytes.material, 12 * 16 * (8 + 16));
-  assert_int_equal(info.bytes.direct, 12 * 16 * 16);
-  assert_int_equal(info.bytes.indirect, 12 * 16 * 16);
+  const uint64_t tiles = 12 * 4, blocks = 8 * 4 * 4 + 4 * 4; // in every third probe each tile is of one surface
+  assert_int_equal(info.bytes.material, tiles * 8 + blocks * (8 + 16));
+  assert_int_equal(info.bytes.direct, tiles * 4 + blocks * 16);
+  assert_int_equal(info.bytes.indirect, tiles * 4 + blocks * 16);
   olx_field_close(field);
 }
 
@@ -525,8 +544,8 @@ static void test_answers_numbers_out_of_range(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_round_trip, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_texels_of_blocks, field_set_up, field_tear_down),
-      cmocka_unit_test_setup_teardown(test_describes_blocks, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_texels_of_tiles, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_describes_tiles, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_opens_without_probe_light, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_samples_without_probe_light, field_set_up, field_tear_down),
       cmocka_unit_test(test_pyramids_bound_their_nodes),

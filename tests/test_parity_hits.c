@@ -32,6 +32,22 @@ static olx_field_light some_light(const parity_state *s) {
                            .cosine_outer = 0.4f * s->random[1]};
 }
 
+// The place of a texel of indirect light in an image; all bits for a tile of sky.
+typedef struct surface_place {
+  uint32_t x, y, layer;
+} surface_place;
+
+static surface_place place_of_surface(const parity_state *s) {
+  const uint32_t side = s->constants->maps_a_side, map = s->probe % (side * side), stride = s->field->stride;
+  if (!s->constants->tiled) {
+    return (surface_place){map % side * stride + 1 + s->x, map / side * stride + 1 + s->y, s->probe / (side * side)};
+  }
+  const olx_texel_block at = olx_tiled_texel(s->field, OLX_SURFACE_INDIRECT, s->probe, texel_of(s));
+  const uint32_t block = (uint32_t)at.block, row = 1u << OLX_POOL_ROW_BITS;
+  if (block == OLX_NO_BLOCK) return (surface_place){UINT32_MAX, UINT32_MAX, UINT32_MAX};
+  return (surface_place){block % row * 4 + at.texel % 4, block / row % row * 4 + at.texel / 4, block / row / row};
+}
+
 static olx_trace_hit some_hit(const parity_state *s, olx_trace_status status) {
   const olx_vec3 d = s->direction, lobe = s->bits[3] & 0x70000u ? absolute(s->view) : olx_splat(0.0f);
   return (olx_trace_hit){.status = status,
@@ -50,10 +66,7 @@ static olx_trace_hit some_hit(const parity_state *s, olx_trace_status status) {
 ROW(rgb9e5_unpack, put_3(r, olx_rgb9e5_unpack(s->bits[3]));)
 ROW(texel_material, const olx_bsdf b = olx_texel_material(s->field, s->probe, texel_of(s)); put_3(r, b.albedo);
     put_3(r, b.f0); put_f(r, b.f90); put_f(r, b.dielectric_weight); put_f(r, b.alpha);)
-ROW(surface_at, const uint32_t side = s->constants->maps_a_side, border = s->constants->surface_border;
-    const uint32_t map = s->probe % (side * side), stride = s->field->n + 2 * border;
-    put_u(r, map % side * stride + border + s->x); put_u(r, map / side * stride + border + s->y);
-    put_u(r, s->probe / (side * side));)
+ROW(surface_at, const surface_place at = place_of_surface(s); put_u(r, at.x); put_u(r, at.y); put_u(r, at.layer);)
 ROW(texel_direct, put_3(r, olx_texel_direct(s->field, s->probe, texel_of(s)));)
 ROW(texel_emission, put_3(r, olx_texel_emission(s->field, s->probe, texel_of(s)));)
 ROW(word_vector, const olx_field_surfaces *f = &s->field->surfaces;

@@ -8,10 +8,10 @@
 //   light, ... light computed at the ray's hit, as seen from such a probe: a perfect texel.
 // Errors are products of two independent halves, so noise adds nothing to them on average.
 #include "core/bsdf.h"
-#include "light/direct_light.h"
 #include "options.h"
 #include "render/camera.h"
 #include "scene/bvh.h"
+#include "scene/direct_light.h"
 #include "scene/surface.h"
 #include "studies.h"
 #include "trace/texel_shade.h"

@@ -5,10 +5,10 @@
 //
 // Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. The
 // noise that is left in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
-#include "light/direct_light.h"
 #include "options.h"
 #include "render/camera.h"
 #include "scene/bvh.h"
+#include "scene/direct_light.h"
 #include "scene/surface.h"
 #include "studies.h"
 

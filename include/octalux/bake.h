@@ -163,12 +163,14 @@ typedef struct olx_bake_stats {
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // irradiance_probes is 0 without probe light
   uint64_t file_bytes; // what the description determines. Not included are structures of selectors other than the cage,
-                       // the irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, and planes
-                       // of fine surfaces, up to a third of a byte a texel in the measured scenes and 8 at most
+                       // the irradiance volume, up to 4 bytes a texel where probes see emitters or the sky, planes of
+                       // fine surfaces, up to a third of a byte a texel in the measured scenes and 8 at most, and
+                       // blocks of tiles of surfaces, 1.1 to 2.1 bytes in the measured scenes and 3.5 at most
   uint64_t expected_bytes; // file_bytes plus an estimate of what it does not include, from what a sample of texels sees
                            // (docs/baking.md, "What a bake takes"): mostly within 5 % of the file, but without other
                            // selectors than the cage and bricks, and without the data for relighting
-  uint64_t device_bytes;   // of the file on a Vulkan device, before alignment; 0 for irradiance as spherical harmonics
+  uint64_t device_bytes;   // of the file on a Vulkan device, with the blocks that are expected, before alignment; 0 for
+                           // irradiance as spherical harmonics
   uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
                          // links (olx_bake_stats.light_bytes)
   uint64_t link_bytes;   // the most for links between surfels; most scenes need less. 0 with OLX_LIGHT_REFERENCE

@@ -66,8 +66,8 @@ typedef struct olx_maps_info {
   uint32_t size;               // texels along a side: a power of two, 8 to 2048
   uint32_t samples;            // radiance samples along a texel's side (2: four samples a texel)
   float distance_scale_metres; // stored distances times this are metres
-  bool compressed;      // material and light of surfaces lie in blocks of 4 x 4 texels that graphics hardware decodes
-  bool geometry_blocks; // geometry is stored in blocks of 4 x 4 texels: planes, not distances and normals
+  bool compressed;             // material and light of surfaces lie in tiles of blocks that graphics hardware decodes
+  bool geometry_blocks;        // geometry is stored in blocks of 4 x 4 texels: planes, not distances and normals
 } olx_maps_info;
 
 // The irradiance probes of a field; all 0 of one that was baked without probe light.

@@ -51,8 +51,8 @@ typedef struct olx_vulkan_host {
   // VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
   // Whether the device was created with the feature textureCompressionBC. It then holds light and material in the
-  // field's blocks, 3.5 bytes a texel; otherwise they are decoded to 14 bytes (octalux/field.h,
-  // olx_field_info.compressed).
+  // field's blocks; otherwise blocks are decoded to four times their bytes, and base colour to eight times
+  // (octalux/field.h, olx_field_info.compressed).
   bool texture_compression_bc;
 } olx_vulkan_host;
 
@@ -187,7 +187,7 @@ typedef struct olx_vulkan_settings {
   uint32_t glossy_samples;    // rays a pixel on glossy surfaces, 1 to 4096; default 1. Mirrors take 1
   uint32_t sample_index;      // the part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // selects the sequence of every pixel; default 0
-  bool irradiance_probes; // irradiance from irradiance probes alone, in a field with probe light; default false
+  bool irradiance_probes;     // irradiance from irradiance probes alone, in a field with probe light; default false
   float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;

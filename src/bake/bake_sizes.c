@@ -42,16 +42,19 @@ static uint64_t links_of(const olx_bake_settings *settings) {
 }
 
 // Returns an upper bound of a work folder's size: the size of the file, with emission of every texel where the file
-// stores it only for some tiles. Links are stored once; surfels and the repeated checkpoints of light take less than
-// the difference.
+// stores it only for some tiles, and every tile of surfaces at full resolution. Links are stored once; surfels and the
+// repeated checkpoints of light take less than the difference.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   const uint64_t size = b->context.settings->radiance_size;
-  return layout->file_bytes + b->context.probes.light_field.count * size * size * sizeof(uint32_t) +
-         2 * links_of(b->context.settings);
+  const uint64_t texels = b->context.probes.light_field.count * size * size,
+                 surfaces = b->context.settings->uncompressed ? 0 : olx_surface_most_bytes(texels);
+  return layout->file_bytes + texels * sizeof(uint32_t) + surfaces + 2 * links_of(b->context.settings);
 }
 
-// The expected size of the file of a bake that is described and has not begun.
-static olx_result expected_of(const olx_bake_run *b, const olx_field_header *header, uint64_t *bytes) {
+// Computes the expected size of the file of a bake that is described and has not begun, and of that what blocks of
+// surfaces take.
+static olx_result expected_of(const olx_bake_run *b, const olx_field_header *header, uint64_t *bytes,
+                              uint64_t *surfaces) {
   const olx_bake_settings *s = b->context.settings;
   const olx_planned_maps maps = {.scene = b->context.scene,
                                  .positions = s->probes,
@@ -63,6 +66,8 @@ static olx_result expected_of(const olx_bake_run *b, const olx_field_header *hea
   OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
   *bytes =
       olx_expected_bytes(header, olx_expected_volume_bytes(b->context.scene, s->radiance_size, most_cells), &texels);
+  const uint64_t all = (uint64_t)maps.count * maps.size * maps.size;
+  *surfaces = s->uncompressed ? 0 : (uint64_t)(texels.surfaces * (double)all);
   return OLX_OK;
 }
 
@@ -137,10 +142,11 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   olx_field_header header;
   *sizes = (olx_bake_sizes){0};
   OLX_TRY(describe(scene, settings, path, &b, &header));
-  uint64_t expected;
-  OLX_TRY(expected_of(&b, &header, &expected));
+  uint64_t expected, surfaces;
+  OLX_TRY(expected_of(&b, &header, &expected, &surfaces));
   *sizes = sizes_of(&b, &header, path);
   sizes->expected_bytes = expected;
+  if (sizes->device_bytes) sizes->device_bytes += surfaces;
   return check_available(sizes, path);
 }
 
@@ -164,7 +170,8 @@ static olx_result size_with_maps(const olx_scene *scene, const olx_bake_settings
   olx_field_lay_out(&header, &layout);
   *bytes = layout.file_bytes;
   const bool smallest = radiance_size == OLX_RADIANCE_SIZE_LEAST;
-  return (double)*bytes > budget && !smallest ? OLX_OK : expected_of(&b, &header, bytes);
+  uint64_t surfaces;
+  return (double)*bytes > budget && !smallest ? OLX_OK : expected_of(&b, &header, bytes, &surfaces);
 }
 
 static olx_result refuse_budget(const olx_bake_settings *settings, double budget_mb, uint64_t bytes) {

@@ -367,10 +367,11 @@ olx_result olx_bake_relight(olx_bake_run *b) {
 // What a light field probe writes to the file.
 typedef struct probe_maps {
   olx_surface_maps surfaces;
-  const uint32_t *radiance;          // NULL without probe light
-  const uint16_t *normal, *distance; // NULL where the field stores blocks
-  olx_geometry_map geometry;         // where the field stores blocks
-  olx_relight_sites sites;           // empty without relighting
+  const uint32_t *radiance;               // NULL without probe light
+  const uint16_t *normal, *distance;      // NULL where the field stores blocks
+  olx_geometry_map geometry;              // where the field stores blocks
+  olx_tiled_maps tiled[OLX_SURFACE_MAPS]; // read from a work folder; `surfaces` points to them then
+  olx_relight_sites sites;                // empty without relighting
 } probe_maps;
 
 typedef struct probe_stage {
@@ -431,16 +432,14 @@ static olx_result make_probe(void *user, uint32_t probe) {
   return write_probe(b, probe, &s->made);
 }
 
-// Number of elements in each map of a probe, and the size of an element.
+// The numbers of elements in a map of a probe.
 typedef struct map_shapes {
-  size_t texels, count, base_bytes, specular_bytes, light_bytes;
+  size_t texels, blocks, tiles;
 } map_shapes;
 
 static map_shapes shapes_of(const olx_bake_run *b) {
   const size_t size = b->context.settings->radiance_size, texels = size * size;
-  if (b->context.settings->uncompressed)
-    return (map_shapes){texels, texels, sizeof(uint32_t), sizeof(uint16_t), sizeof(uint32_t)};
-  return (map_shapes){texels, texels / 16, sizeof(olx_bc1_block), sizeof(olx_bc5_block), sizeof(olx_bc6h_block)};
+  return (map_shapes){texels, texels / OLX_BLOCK_TEXELS, texels / OLX_TILE_TEXELS};
 }
 
 static void save_geometry(const olx_bake_run *b, const probe_maps *m, olx_byte_writer *to) {
@@ -451,7 +450,7 @@ static void save_geometry(const olx_bake_run *b, const probe_maps *m, olx_byte_w
     return;
   }
   const olx_plane_pool *pool = &m->geometry.pool;
-  olx_bytes_put(to, m->geometry.blocks, shapes.count, sizeof *m->geometry.blocks);
+  olx_bytes_put(to, m->geometry.blocks, shapes.blocks, sizeof *m->geometry.blocks);
   olx_bytes_put(to, &pool->count, 1, sizeof pool->count);
   if (pool->count) olx_bytes_put(to, pool->planes, pool->count, sizeof *pool->planes);
 }
@@ -464,9 +463,42 @@ static void load_geometry(const olx_bake_run *b, olx_byte_reader *from, probe_ma
     return;
   }
   olx_plane_pool *pool = &m->geometry.pool;
-  m->geometry.blocks = olx_bytes_get(from, shapes.count, sizeof *m->geometry.blocks);
+  m->geometry.blocks = olx_bytes_get(from, shapes.blocks, sizeof *m->geometry.blocks);
   olx_bytes_copy(from, &pool->count, 1, sizeof pool->count);
   if (pool->count) pool->planes = olx_bytes_get(from, pool->count, sizeof *pool->planes);
+}
+
+static void save_surfaces(const olx_bake_run *b, const olx_surface_maps *m, olx_byte_writer *to) {
+  const map_shapes shapes = shapes_of(b);
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS && m->tiled; map++) {
+    const olx_tiled_maps *tiled = &m->tiled[map];
+    olx_bytes_put(to, tiled->words, shapes.tiles, sizeof *tiled->words);
+    olx_bytes_put(to, &tiled->count, 1, sizeof tiled->count);
+    if (tiled->count) olx_bytes_put(to, tiled->blocks, tiled->count, olx_surface_block_bytes(map));
+  }
+  if (m->tiled) return;
+  olx_bytes_put(to, m->base, shapes.texels, sizeof(uint32_t));
+  olx_bytes_put(to, m->specular, shapes.texels, sizeof(uint16_t));
+  olx_bytes_put(to, m->direct, shapes.texels, sizeof(uint32_t));
+  olx_bytes_put(to, m->indirect, shapes.texels, sizeof(uint32_t));
+}
+
+static void load_surfaces(const olx_bake_run *b, olx_byte_reader *from, probe_maps *m) {
+  const map_shapes shapes = shapes_of(b);
+  if (b->context.settings->uncompressed) {
+    m->surfaces.base = olx_bytes_get(from, shapes.texels, sizeof(uint32_t));
+    m->surfaces.specular = olx_bytes_get(from, shapes.texels, sizeof(uint16_t));
+    m->surfaces.direct = olx_bytes_get(from, shapes.texels, sizeof(uint32_t));
+    m->surfaces.indirect = olx_bytes_get(from, shapes.texels, sizeof(uint32_t));
+    return;
+  }
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    olx_tiled_maps *tiled = &m->tiled[map];
+    tiled->words = olx_bytes_get(from, shapes.tiles, sizeof *tiled->words);
+    olx_bytes_copy(from, &tiled->count, 1, sizeof tiled->count);
+    if (tiled->count) tiled->blocks = olx_bytes_get(from, tiled->count, olx_surface_block_bytes(map));
+  }
+  m->surfaces.tiled = m->tiled;
 }
 
 static bool is_dark(const uint32_t *emission, size_t texels) {
@@ -484,10 +516,7 @@ static void save_probe(void *user, uint32_t probe, olx_byte_writer *to) {
   const uint32_t emits = !is_dark(m->surfaces.emission, shapes.texels);
   olx_bytes_put(to, &emits, 1, sizeof emits);
   save_geometry(s->run, m, to);
-  olx_bytes_put(to, m->surfaces.base, shapes.count, shapes.base_bytes);
-  olx_bytes_put(to, m->surfaces.specular, shapes.count, shapes.specular_bytes);
-  olx_bytes_put(to, m->surfaces.direct, shapes.count, shapes.light_bytes);
-  olx_bytes_put(to, m->surfaces.indirect, shapes.count, shapes.light_bytes);
+  save_surfaces(s->run, &m->surfaces, to);
   if (emits) olx_bytes_put(to, m->surfaces.emission, shapes.texels, sizeof *m->surfaces.emission);
   if (m->radiance) olx_bytes_put(to, m->radiance, shapes.texels, sizeof *m->radiance);
   if (s->run->context.settings->relight) olx_relight_sites_save(&m->sites, to);
@@ -498,10 +527,7 @@ static olx_result load_maps(const olx_bake_run *b, olx_byte_reader *from, uint32
   uint32_t emits = 0;
   olx_bytes_copy(from, &emits, 1, sizeof emits);
   load_geometry(b, from, m);
-  m->surfaces.base = olx_bytes_get(from, shapes.count, shapes.base_bytes);
-  m->surfaces.specular = olx_bytes_get(from, shapes.count, shapes.specular_bytes);
-  m->surfaces.direct = olx_bytes_get(from, shapes.count, shapes.light_bytes);
-  m->surfaces.indirect = olx_bytes_get(from, shapes.count, shapes.light_bytes);
+  load_surfaces(b, from, m);
   m->surfaces.emission = emits ? olx_bytes_get(from, shapes.texels, sizeof *m->surfaces.emission) : dark;
   if (b->context.probes.irradiance.count) m->radiance = olx_bytes_get(from, shapes.texels, sizeof *m->radiance);
   return b->context.settings->relight ? olx_relight_sites_load(&m->sites, from) : OLX_OK;

@@ -216,11 +216,11 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_su
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   OLX_TRY(find_irradiance(c, buried));
   OLX_TRY(olx_bake_for(capture->context, rows, capture_row, c, olx_surface_capture_units(c) / rows));
-  *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, c->emission};
+  *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, .emission = c->emission};
   if (settings_of(c)->uncompressed) return OLX_OK;
   const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};
-  *maps = (olx_surface_maps){c->blocks.base, c->blocks.specular, c->blocks.direct, c->blocks.indirect, c->emission};
-  OLX_TRY(olx_surface_encode(&texels, rows, settings_of(c)->threads, &c->blocks));
+  *maps = (olx_surface_maps){.tiled = c->tiles.maps, .emission = c->emission};
+  OLX_TRY(olx_surface_maker_encode(&c->tiles, &texels, rows, settings_of(c)->threads));
   return olx_geometry_maker_encode(&c->geometry, rows, settings_of(c)->threads, olx_capture_geometry, capture);
 }
 
@@ -230,7 +230,7 @@ uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
                          sizeof *c->specular + (has_radiance(c) ? sizeof *c->radiance : 0) +
                          (solved ? sizeof *c->irradiance : 0);
   return (uint64_t)size * size * texel +
-         (settings_of(c)->uncompressed ? 0 : olx_surface_blocks_bytes(size) + olx_geometry_maker_bytes(size));
+         (settings_of(c)->uncompressed ? 0 : olx_surface_maker_bytes(size) + olx_geometry_maker_bytes(size));
 }
 
 olx_result olx_surface_capture_create(olx_surface_capture *c) {
@@ -245,7 +245,7 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
   if (complete && (c->radiance || !has_radiance(c))) {
     if (settings_of(c)->uncompressed) return OLX_OK;
-    OLX_TRY(olx_surface_blocks_create(c->capture->size, &c->blocks));
+    OLX_TRY(olx_surface_maker_create(c->capture->size, &c->tiles));
     return olx_geometry_maker_create(c->capture->size, &c->geometry);
   }
   return olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for surfaces of %u x %u texels", c->capture->size,
@@ -260,7 +260,7 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->radiance);
   olx_release(c->irradiance);
   olx_release(c->specular);
-  olx_surface_blocks_free(&c->blocks);
+  olx_surface_maker_free(&c->tiles);
   olx_geometry_maker_free(&c->geometry);
   c->base = c->direct = c->indirect = c->emission = c->radiance = NULL;
   c->specular = NULL;

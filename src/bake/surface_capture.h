@@ -20,7 +20,7 @@ typedef struct olx_surface_capture {
   float last_bounce;            // share of that light that is one bounce more than radiance holds
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL without probe light
   uint16_t *specular;
-  olx_surface_blocks blocks;   // made from them, where they are wanted
+  olx_surface_maker tiles;     // made from them, where they are wanted
   olx_geometry_maker geometry; // the same for what `capture` holds of geometry
   atomic_uint_fast64_t rays;   // cast so far
 } olx_surface_capture;

@@ -7,7 +7,7 @@
 #define OLX_BAKE_TEXEL_RADIANCE_H
 
 #include "light/scene_light.h"
-#include "light/sampler.h"
+#include "scene/sampler.h"
 
 // Returns whether the surface's specular lobe is traced for the probe's view.
 bool olx_texel_is_mirror(const olx_bsdf *bsdf);

@@ -10,9 +10,9 @@
 static const uint32_t kept_types[] = {
     OLX_FOUR_CC('I', 'N', 'F', 'O'), OLX_FOUR_CC('P', 'P', 'O', 'S'), OLX_FOUR_CC('P', 'F', 'L', 'G'),
     OLX_FOUR_CC('N', 'O', 'R', 'M'), OLX_FOUR_CC('D', 'I', 'S', 'T'), OLX_FOUR_CC('G', 'E', 'O', 'M'),
-    OLX_FOUR_CC('P', 'L', 'A', 'N'), OLX_FOUR_CC('I', 'N', 'D', '6'), OLX_FOUR_CC('I', 'N', 'D', 'I'),
-    OLX_FOUR_CC('B', 'R', 'I', 'K'), OLX_FOUR_CC('V', 'O', 'L', 'U'), OLX_FOUR_CC('V', 'I', 'R', 'R'),
-    OLX_FOUR_CC('O', 'R', 'I', 'G')};
+    OLX_FOUR_CC('P', 'L', 'A', 'N'), OLX_FOUR_CC('T', 'I', 'N', 'D'), OLX_FOUR_CC('P', 'I', 'N', 'D'),
+    OLX_FOUR_CC('I', 'N', 'D', 'I'), OLX_FOUR_CC('B', 'R', 'I', 'K'), OLX_FOUR_CC('V', 'O', 'L', 'U'),
+    OLX_FOUR_CC('V', 'I', 'R', 'R'), OLX_FOUR_CC('O', 'R', 'I', 'G')};
 
 typedef struct kept_chunks {
   olx_file_chunk table[OLX_CHUNK_MAX_COUNT]; // with the places in the file that is written

@@ -35,13 +35,13 @@ static uint64_t greatest_nodes(const olx_field_info *info) {
 static bool in_every_field(const olx_field_info *info) { return (void)info, true; }
 static bool has_probe_light(const olx_field_info *info) { return info->irradiance.probe_count > 0; }
 static bool has_harmonics(const olx_field_info *info) { return olx_irradiance_bands(info->irradiance.form) > 0; }
-static bool has_surface_blocks(const olx_field_info *info) { return info->maps.compressed; }
+static bool has_tiles(const olx_field_info *info) { return info->maps.compressed; }
 static bool has_geometry_blocks(const olx_field_info *info) { return info->maps.geometry_blocks; }
 static bool has_geometry_texels(const olx_field_info *info) { return !info->maps.geometry_blocks; }
 
 static const olx_chunk_need always = {in_every_field, NULL}, probe_light = {has_probe_light, "no irradiance probes"},
                             geometry_texels = {has_geometry_texels, "geometry in blocks"},
-                            geometry_blocks = {has_geometry_blocks, NULL};
+                            geometry_blocks = {has_geometry_blocks, NULL}, surface_tiles = {has_tiles, NULL};
 
 #define TYPE(a, b, c, d) .type = OLX_FOUR_CC(a, b, c, d)
 #define DATA(member) .data = offsetof(olx_field, member)
@@ -108,33 +108,33 @@ const olx_chunk_traits olx_chunk_kinds[OLX_CHUNK_KINDS] = {
                            .on_device = true,
                            .verify = olx_moments_verify},
     [OLX_CHUNK_BASE] = {{TYPE('B', 'A', 'S', 'E'), 4, .elements_of = texels, DATA(surfaces.base), BYTES(material)},
-                        {TYPE('B', 'A', 'S', '1'), 8, .elements_of = blocks, DATA(surfaces.base_blocks),
-                         BYTES(material)},
-                        has_surface_blocks,
+                        {TYPE('T', 'B', 'A', 'S'), 4, .elements_of = tiles,
+                         DATA(surfaces.tiled[OLX_SURFACE_BASE].words), BYTES(material)},
+                        has_tiles,
                         .records_of = probes,
                         .need = &always,
                         .on_device = true,
                         .verify = olx_surfaces_verify},
     [OLX_CHUNK_SPECULAR] = {{TYPE('S', 'P', 'E', 'C'), 2, .elements_of = texels, DATA(surfaces.specular),
                              BYTES(material)},
-                            {TYPE('R', 'E', 'F', '5'), 16, .elements_of = blocks, DATA(surfaces.specular_blocks),
-                             BYTES(material)},
-                            has_surface_blocks,
+                            {TYPE('T', 'R', 'E', 'F'), 4, .elements_of = tiles,
+                             DATA(surfaces.tiled[OLX_SURFACE_SPECULAR].words), BYTES(material)},
+                            has_tiles,
                             .records_of = probes,
                             .need = &always,
                             .on_device = true},
     [OLX_CHUNK_DIRECT] = {{TYPE('D', 'I', 'R', 'E'), 4, .elements_of = texels, DATA(surfaces.direct), BYTES(direct)},
-                          {TYPE('D', 'I', 'R', '6'), 16, .elements_of = blocks, DATA(surfaces.direct_blocks),
-                           BYTES(direct)},
-                          has_surface_blocks,
+                          {TYPE('T', 'D', 'I', 'R'), 4, .elements_of = tiles,
+                           DATA(surfaces.tiled[OLX_SURFACE_DIRECT].words), BYTES(direct)},
+                          has_tiles,
                           .records_of = probes,
                           .need = &always,
                           .on_device = true},
     [OLX_CHUNK_INDIRECT] = {{TYPE('I', 'N', 'D', 'I'), 4, .elements_of = texels, DATA(surfaces.indirect),
                              BYTES(indirect)},
-                            {TYPE('I', 'N', 'D', '6'), 16, .elements_of = blocks, DATA(surfaces.indirect_blocks),
-                             BYTES(indirect)},
-                            has_surface_blocks,
+                            {TYPE('T', 'I', 'N', 'D'), 4, .elements_of = tiles,
+                             DATA(surfaces.tiled[OLX_SURFACE_INDIRECT].words), BYTES(indirect)},
+                            has_tiles,
                             .records_of = probes,
                             .need = &always,
                             .on_device = true},
@@ -203,6 +203,19 @@ const olx_chunk_traits olx_chunk_kinds[OLX_CHUNK_KINDS] = {
                           .need = &geometry_blocks,
                           .on_device = true,
                           .open = olx_planes_open},
+    [OLX_CHUNK_BASE_POOL] = {{TYPE('P', 'B', 'A', 'S'), sizeof(olx_bc1_block), 1},
+                             .need = &surface_tiles,
+                             .on_device = true,
+                             .open = olx_pools_open},
+    [OLX_CHUNK_SPECULAR_POOL] = {{TYPE('P', 'R', 'E', 'F'), sizeof(olx_bc5_block), 1},
+                                 .need = &surface_tiles,
+                                 .on_device = true},
+    [OLX_CHUNK_DIRECT_POOL] = {{TYPE('P', 'D', 'I', 'R'), sizeof(olx_bc6h_block), 1},
+                               .need = &surface_tiles,
+                               .on_device = true},
+    [OLX_CHUNK_INDIRECT_POOL] = {{TYPE('P', 'I', 'N', 'D'), sizeof(olx_bc6h_block), 1},
+                                 .need = &surface_tiles,
+                                 .on_device = true},
     [OLX_CHUNK_RELIGHT] = {{TYPE('R', 'L', 'I', 'T'), 1},
                            .records_of = one,
                            .part = OLX_PART_RELIGHT,

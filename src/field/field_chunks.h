@@ -58,6 +58,7 @@ olx_result olx_irradiance_flags_open(olx_field *field);
 olx_result olx_lights_open(olx_field *field);
 olx_result olx_emission_tiles_open(olx_field *field);
 olx_result olx_planes_open(olx_field *field);
+olx_result olx_pools_open(olx_field *field); // of all kinds of maps
 olx_result olx_origin_open(olx_field *field);
 // Selectors are present where the description names them.
 olx_result olx_voronoi_open(olx_field *field);

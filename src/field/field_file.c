@@ -34,7 +34,7 @@ olx_file_info olx_field_info_store(const olx_field_info *info) {
                           .irradiance_grid = store_grid(&info->irradiance.grid),
                           .scene_hash = info->scene.hash,
                           .last_bounce = info->bounces.last,
-                          .form = (info->maps.compressed ? OLX_FORM_SURFACES : 0u) |
+                          .form = (info->maps.compressed ? OLX_FORM_TILES : 0u) |
                                   (info->maps.geometry_blocks ? OLX_FORM_GEOMETRY : 0u)};
   if (info->probes.has_grid) stored.grid = store_grid(&info->probes.grid);
   olx_store3(stored.scene_min, info->scene.bounds_min);
@@ -50,7 +50,7 @@ olx_field_info olx_field_info_load(const olx_file_info *stored) {
                           .maps = {.size = stored->radiance_size,
                                    .samples = stored->samples,
                                    .distance_scale_metres = stored->distance_scale,
-                                   .compressed = (stored->form & OLX_FORM_SURFACES) != 0,
+                                   .compressed = (stored->form & OLX_FORM_TILES) != 0,
                                    .geometry_blocks = (stored->form & OLX_FORM_GEOMETRY) != 0},
                           .irradiance = {.probe_count = stored->irradiance_probe_count,
                                          .buried = stored->irradiance_buried_count,
@@ -181,6 +181,10 @@ olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info)
   const olx_file_info *stored = (const void *)((const char *)file->data + chunk->offset);
   if (!olx_checksum_holds(olx_content_hash(stored, sizeof *stored), chunk->hash)) {
     return olx_fail(OLX_ERROR_CHECKSUM, "%s: chunk INFO: wrong checksum", file->name);
+  }
+  if (stored->form & OLX_FORM_BLOCKS) {
+    return olx_fail(OLX_ERROR_UNSUPPORTED,
+                    "%s: surfaces in maps of blocks, which tiles have replaced; bake the scene again", file->name);
   }
   *info = olx_field_info_load(stored);
   OLX_TRY(olx_field_info_check(info, file->name, OLX_ERROR_FORMAT));

@@ -24,8 +24,9 @@ enum {
 #define OLX_FIELD_MAX_LENGTH 1e18f
 #define OLX_FIELD_MIN_SCALE 1e-18f
 
-// Bits of olx_file_info.form: the maps that are stored as blocks.
-enum { OLX_FORM_SURFACES = 1, OLX_FORM_GEOMETRY = 2 };
+// Bits of olx_file_info.form: surfaces as maps of blocks, which are refused since tiles took their place; geometry as
+// blocks; surfaces as tiles.
+enum { OLX_FORM_BLOCKS = 1, OLX_FORM_GEOMETRY = 2, OLX_FORM_TILES = 4 };
 
 typedef struct olx_file_grid {
   float origin[3], spacing[3];
@@ -45,7 +46,7 @@ typedef struct olx_file_info {
   olx_file_grid grid, irradiance_grid;
   uint64_t scene_hash;
   float last_bounce; // share of the indirect light at texels that has met bounces + 1 surfaces on its way
-  uint32_t form; // OLX_FORM_*
+  uint32_t form;     // OLX_FORM_*
 } olx_file_info;
 
 _Static_assert(sizeof(olx_file_info) == 160 && offsetof(olx_file_info, scene_min) == 48 &&
@@ -69,7 +70,7 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_IRRADIANCE_FLAGS,
   OLX_CHUNK_IRRADIANCE,
   OLX_CHUNK_MOMENTS,
-  // The surfaces that light field probes see, and their light; the first four are stored as texels or as blocks.
+  // The surfaces that light field probes see, and their light; the first four are stored as texels or as tiles.
   OLX_CHUNK_BASE,
   OLX_CHUNK_SPECULAR,
   OLX_CHUNK_DIRECT,
@@ -92,9 +93,14 @@ typedef enum olx_chunk_kind {
   OLX_CHUNK_VOLUME_IRRADIANCE,
   OLX_CHUNK_ORIGIN, // present where the origin is not 0
   // The last chunks are those whose sizes are known only when all probes are written: emission, which is required, the
-  // planes to which geometry blocks refer, and the data for relighting.
+  // planes to which geometry blocks refer, the pools of blocks that tiles of surfaces name, in the order of
+  // olx_surface_map, and the data for relighting.
   OLX_CHUNK_EMISSION_TILES,
   OLX_CHUNK_PLANES,
+  OLX_CHUNK_BASE_POOL,
+  OLX_CHUNK_SPECULAR_POOL,
+  OLX_CHUNK_DIRECT_POOL,
+  OLX_CHUNK_INDIRECT_POOL,
   OLX_CHUNK_RELIGHT,
   OLX_CHUNK_KINDS
 } olx_chunk_kind;
@@ -133,10 +139,13 @@ olx_result olx_classic_info_check(const olx_field_info *info, const char *name, 
 olx_result olx_field_info_read(const olx_chunk_file *file, olx_field_info *info);
 // Checks that a field may hold this light; `index` is for the message.
 olx_result olx_field_light_check(const olx_field_light *light, uint32_t index, const char *name, olx_result failure);
-// Decodes a row of a map of blocks into texels, border included, for readers that cannot decode blocks. Light becomes
+// Decodes a row of a map of tiles into texels, border included, for readers that cannot decode blocks. Light becomes
 // RGB9E5. Base colours become the bytes of their square roots, red lowest. Specular has roughness in its low byte and
 // olx_reflectance_pack in its high byte.
 void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels);
+// Decodes a row of texels, 0 to 3, of `count` blocks of a pool from `first` on, in the same codes.
+void olx_pool_row(const olx_field *field, olx_surface_map map, uint32_t first, uint32_t count, uint32_t row,
+                  void *texels);
 // Checks that positions are finite and, with a grid, lie on it.
 olx_result olx_positions_check(const olx_vec3 *positions, uint32_t count, const olx_grid *grid, const char *kind,
                                const char *name, olx_result failure);

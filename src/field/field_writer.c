@@ -12,6 +12,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+// Data whose size and offset are known only at the end.
+typedef struct growing_chunk {
+  void *data;
+  uint32_t count, most; // of elements
+} growing_chunk;
+
 struct olx_field_writer {
   olx_output_file file;
   olx_field_info info;
@@ -22,13 +28,12 @@ struct olx_field_writer {
 
   olx_vec3 *probe_positions, *irradiance_positions;
   uint8_t *probe_flags, *irradiance_flags;
-  void *map;                  // a map with its border
-  uint16_t *least, *greatest; // a pyramid
-  uint16_t *block_least, *block_greatest; // the bounds of blocks from which the pyramid is built
-  olx_geometry_block *blocks;             // of one map, as the file stores them
-  olx_plane_code *planes;                 // of all probes so far; their offset is known only at the end
-  uint32_t plane_count, most_planes;
-  uint32_t *tile_index;       // of one map of emission
+  void *map;                                           // a map with its border
+  uint16_t *least, *greatest;                          // a pyramid
+  uint16_t *block_least, *block_greatest;              // the bounds of blocks from which the pyramid is built
+  olx_geometry_block *blocks;                          // of one map, as the file stores them
+  growing_chunk planes, pools[OLX_SURFACE_MAPS];       // of all probes so far
+  uint32_t *tile_index;                                // of one map of emission, or of tiles of surfaces
   uint32_t tile[OLX_EMISSION_TILE_TEXELS], tile_count; // the tile of emission written last, and the number of tiles
 };
 
@@ -109,7 +114,8 @@ static void destroy(olx_field_writer *writer) {
   olx_release(writer->block_least);
   olx_release(writer->block_greatest);
   olx_release(writer->blocks);
-  olx_release(writer->planes);
+  olx_release(writer->planes.data);
+  for (uint32_t i = 0; i < OLX_SURFACE_MAPS; i++) olx_release(writer->pools[i].data);
   olx_release(writer->probe_flags);
   olx_release(writer->irradiance_flags);
   olx_release(writer->probe_positions);
@@ -261,20 +267,22 @@ static olx_result put_texels(olx_field_writer *writer, uint32_t index, const uin
   return put_pyramid(writer, index, &base);
 }
 
-static olx_result append_planes(olx_field_writer *writer, const olx_plane_pool *pool) {
-  const uint64_t count = (uint64_t)writer->plane_count + pool->count;
+// Appends elements to a chunk. Their number stays below OLX_NO_PLANE.
+static olx_result append(olx_field_writer *writer, growing_chunk *chunk, const void *data, uint32_t added,
+                         size_t size) {
+  const uint64_t count = (uint64_t)chunk->count + added;
   if (count >= OLX_NO_PLANE) return olx_fail(OLX_ERROR_ARGUMENT, "%s: too many planes", writer->file.path);
-  if (count > writer->most_planes) {
+  if (count > chunk->most) {
     const uint64_t most = count + count / 2;
-    olx_plane_code *planes = olx_allocate(most, sizeof *planes);
-    if (!planes) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for planes", writer->file.path);
-    if (writer->plane_count) memcpy(planes, writer->planes, writer->plane_count * sizeof *planes);
-    olx_release(writer->planes);
-    writer->planes = planes;
-    writer->most_planes = most < OLX_NO_PLANE ? (uint32_t)most : OLX_NO_PLANE;
+    void *grown = olx_allocate(most, size);
+    if (!grown) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for planes and blocks", writer->file.path);
+    if (chunk->count) memcpy(grown, chunk->data, chunk->count * size);
+    olx_release(chunk->data);
+    chunk->data = grown;
+    chunk->most = most < OLX_NO_PLANE ? (uint32_t)most : OLX_NO_PLANE;
   }
-  if (pool->count) memcpy(writer->planes + writer->plane_count, pool->planes, pool->count * sizeof *pool->planes);
-  writer->plane_count = (uint32_t)count;
+  if (added) memcpy((char *)chunk->data + chunk->count * size, data, added * size);
+  chunk->count = (uint32_t)count;
   return OLX_OK;
 }
 
@@ -283,10 +291,11 @@ static olx_result put_blocks(olx_field_writer *writer, uint32_t index, const olx
   const uint32_t n = writer->info.maps.size, side = n / OLX_BLOCK_SIDE;
   for (uint32_t i = 0; i < side * side; i++) {
     writer->blocks[i] = geometry->blocks[i];
-    if (writer->blocks[i].words[3] >> 30 == OLX_GEOMETRY_POOL) writer->blocks[i].words[0] += writer->plane_count;
+    if (writer->blocks[i].words[3] >> 30 == OLX_GEOMETRY_POOL) writer->blocks[i].words[0] += writer->planes.count;
   }
   OLX_TRY(put(writer, OLX_CHUNK_DISTANCE, index, writer->blocks));
-  OLX_TRY(append_planes(writer, &geometry->pool));
+  const olx_plane_pool *pool = &geometry->pool;
+  OLX_TRY(append(writer, &writer->planes, pool->planes, pool->count, sizeof *pool->planes));
   const olx_pyramid_base base = olx_pyramid_over_blocks(geometry, n, writer->info.maps.distance_scale_metres,
                                                         writer->block_least, writer->block_greatest);
   return put_pyramid(writer, index, &base);
@@ -364,11 +373,32 @@ static olx_result put_emission(olx_field_writer *writer, uint32_t index, const u
 }
 
 static olx_result put_surface(olx_field_writer *writer, olx_chunk_kind kind, uint32_t index, const void *map) {
-  return writer->info.maps.compressed ? put(writer, kind, index, map)
-                                      : put_map(writer, kind, index, map, writer->info.maps.size);
+  return put_map(writer, kind, index, map, writer->info.maps.size);
+}
+
+// Writes the tiles of a map with block numbers that count from the start of the file's pool instead of the map's.
+static olx_result put_tiles(olx_field_writer *writer, olx_surface_map map, uint32_t index, const olx_tiled_maps *maps) {
+  growing_chunk *pool = &writer->pools[map];
+  const uint32_t side = writer->info.maps.size / OLX_TILE_SIDE;
+  for (uint32_t i = 0; i < side * side; i++) {
+    writer->tile_index[i] = maps->words[i] ? maps->words[i] + pool->count : 0;
+  }
+  if ((uint64_t)pool->count + maps->count > OLX_TILE_MOST_BLOCKS) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: too many blocks of surfaces", writer->file.path);
+  }
+  OLX_TRY(put(writer, OLX_CHUNK_BASE + map, index, writer->tile_index));
+  return append(writer, pool, maps->blocks, maps->count, olx_surface_block_bytes(map));
 }
 
 static olx_result write_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps) {
+  if ((maps->tiled != NULL) != writer->info.maps.compressed) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "%s: surfaces of probe %u in another form than the header says",
+                    writer->file.path, index);
+  }
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS && maps->tiled; map++) {
+    OLX_TRY(put_tiles(writer, map, index, &maps->tiled[map]));
+  }
+  if (maps->tiled) return put_emission(writer, index, maps->emission);
   OLX_TRY(put_surface(writer, OLX_CHUNK_BASE, index, maps->base));
   OLX_TRY(put_surface(writer, OLX_CHUNK_SPECULAR, index, maps->specular));
   OLX_TRY(put_surface(writer, OLX_CHUNK_DIRECT, index, maps->direct));
@@ -455,7 +485,11 @@ static void end_probes(olx_field_writer *writer) {
   olx_field_layout *layout = &writer->layout;
   olx_chunk_shape *shapes = layout->shapes;
   shapes[OLX_CHUNK_EMISSION_TILES].size_bytes = writer->tile_count * shapes[OLX_CHUNK_EMISSION_TILES].record_bytes;
-  shapes[OLX_CHUNK_PLANES].size_bytes = writer->plane_count * shapes[OLX_CHUNK_PLANES].record_bytes;
+  shapes[OLX_CHUNK_PLANES].size_bytes = writer->planes.count * shapes[OLX_CHUNK_PLANES].record_bytes;
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    olx_chunk_shape *shape = &shapes[OLX_CHUNK_BASE_POOL + map];
+    shape->size_bytes = writer->pools[map].count * shape->record_bytes;
+  }
   layout->file_bytes = layout->offsets[OLX_CHUNK_EMISSION_TILES];
   for (uint32_t k = OLX_CHUNK_EMISSION_TILES; k <= OLX_CHUNK_RELIGHT; k++) {
     if (!layout->present[k]) continue;
@@ -493,7 +527,10 @@ static olx_result write_frame(olx_field_writer *writer) {
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
   }
   end_probes(writer);
-  if (writer->info.maps.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes));
+  if (writer->info.maps.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes.data));
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS && writer->info.maps.compressed; map++) {
+    OLX_TRY(put_whole(writer, OLX_CHUNK_BASE_POOL + map, writer->pools[map].data));
+  }
   struct {
     olx_file_header header;
     olx_file_chunk chunks[OLX_CHUNK_KINDS];

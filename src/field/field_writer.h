@@ -19,16 +19,17 @@ typedef struct olx_field_header {
   const void *volume; // the structure of the irradiance volume (field/volume_data.h), of info.volume.probe_count probes
   size_t volume_bytes; // of the structure; 0 without a volume
   const olx_vec3 *volume_positions;
-  bool relight; // the data for relighting will be written last; its size is not known before
+  bool relight;                  // the data for relighting will be written last; its size is not known before
   const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL where info.classic_size is 0
 } olx_field_header;
 
 // The surfaces that a light field probe sees, row by row, without border, in the codes that field/texels.h reads.
-// According to info.compressed, the first four are maps of n * n texels that are 0 for the sky, or of blocks that are 0
-// where they see the sky alone (field/surface_encode.h).
+// According to info.maps.compressed, the first four are maps of n * n texels that are 0 for the sky, or NULL, with
+// tiles in their place, in the order of olx_surface_map (field/surface_encode.h).
 typedef struct olx_surface_maps {
   const void *base, *specular, *direct, *indirect;
-  const uint32_t *emission; // n * n texels, 0 where the distance marks no emitter
+  const olx_tiled_maps *tiled; // NULL with texels
+  const uint32_t *emission;    // n * n texels, 0 where the distance marks no emitter
 } olx_surface_maps;
 
 // The classic maps of an irradiance probe, packed, without border.
@@ -45,8 +46,7 @@ typedef struct olx_field_layout {
   uint64_t offsets[OLX_CHUNK_KINDS];
   uint32_t chunk_count;
   uint64_t file_bytes;
-  uint64_t
-      device_bytes; // of the chunks that a Vulkan device holds as they are; 0 for a field for the CPU alone
+  uint64_t device_bytes; // of the chunks that a Vulkan device holds as they are; 0 for a field for the CPU alone
 } olx_field_layout;
 
 // Computes the layout that the writer will use, for callers that need sizes before there is anything to write. Needs

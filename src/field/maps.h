@@ -21,22 +21,46 @@ static inline void olx_texel_source(const olx_field *field, size_t texel, uint32
   *y = (uint32_t)source_y;
 }
 
-// The place of texel (x, y), not of the border, in a field's maps of blocks.
+// The place of a texel in blocks: those of a map, or of a pool.
 typedef struct olx_texel_block {
   size_t block;
   uint32_t texel; // in the block, row by row
 } olx_texel_block;
 
+// Returns the place of texel (x, y), not of the border, in a field's maps of geometry blocks.
 static inline olx_texel_block olx_block_at(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
   const uint32_t side = field->n / OLX_BLOCK_SIDE;
   return (olx_texel_block){((size_t)side * probe + y / OLX_BLOCK_SIDE) * side + x / OLX_BLOCK_SIDE,
                            y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE};
 }
 
-static inline olx_texel_block olx_texel_block_of(const olx_field *field, uint32_t probe, size_t texel) {
+#define OLX_NO_BLOCK UINT32_MAX // no place in a pool
+
+// Returns the place of texel (x, y) of a map in the pool of its tile; OLX_NO_BLOCK for the sky, and where a damaged
+// file names blocks that do not exist. `count` is that of the pool.
+static inline olx_texel_block olx_tile_texel(uint32_t word, uint32_t count, uint32_t x, uint32_t y) {
+  const uint32_t form = word >> OLX_TILE_FORM_SHIFT;
+  uint32_t block = olx_tile_first(word), texel = y / 2 % 4 * 4 + x / 2 % 4;
+  if (form != OLX_TILE_HALF) {
+    block += y / 4 % 2 * 2 + x / 4 % 2;
+    texel = y % 4 * 4 + x % 4;
+  }
+  return (olx_texel_block){form == 0 || block >= count ? OLX_NO_BLOCK : block, texel};
+}
+
+// Returns the place of a field's first tile of a probe among the words of each kind of map.
+static inline size_t olx_first_tile(const olx_field *field, uint32_t probe) {
+  return (size_t)field->surfaces.tile_side * field->surfaces.tile_side * probe;
+}
+
+// Returns the place of a texel, perhaps of the border, in the pool of a kind of map.
+static inline olx_texel_block olx_tiled_texel(const olx_field *field, olx_surface_map map, uint32_t probe,
+                                              size_t texel) {
+  const olx_tiled_maps *maps = &field->surfaces.tiled[map];
   uint32_t x, y;
   olx_texel_source(field, texel, &x, &y);
-  return olx_block_at(field, probe, x, y);
+  const size_t tile = (size_t)(y / OLX_TILE_SIDE) * field->surfaces.tile_side + x / OLX_TILE_SIDE;
+  return olx_tile_texel(maps->words[olx_first_tile(field, probe) + tile], maps->count, x, y);
 }
 
 // Returns the plane that texel (x, y) of a field of geometry blocks sees over its whole extent; 0 for the sky.

@@ -75,6 +75,18 @@ olx_result olx_planes_open(olx_field *field) {
   return OLX_OK;
 }
 
+olx_result olx_pools_open(olx_field *field) {
+  if (!field->info.maps.compressed) return OLX_OK;
+  uint64_t *const bytes[OLX_SURFACE_MAPS] = {&field->info.bytes.material, &field->info.bytes.material,
+                                             &field->info.bytes.direct, &field->info.bytes.indirect};
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    olx_tiled_maps *maps = &field->surfaces.tiled[map];
+    OLX_TRY(find_records(field, OLX_CHUNK_BASE_POOL + map, OLX_TILE_MOST_BLOCKS, &maps->blocks, &maps->count));
+    *bytes[map] += (uint64_t)maps->count * olx_surface_block_bytes(map);
+  }
+  return OLX_OK;
+}
+
 static olx_result fail_at(const olx_field *field, const char *what, uint32_t probe, uint32_t x, uint32_t y,
                           const char *problem) {
   return olx_fail(OLX_ERROR_FORMAT, "%s: %s of probe %u, texel (%u, %u): %s", field->name, what, probe, x, y, problem);
@@ -94,35 +106,40 @@ static olx_result check_sky(const olx_field *field, uint32_t probe, uint32_t x, 
 }
 
 static bool all_is_sky(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
-  for (uint32_t i = 0; i < OLX_BLOCK_SIDE * OLX_BLOCK_SIDE; i++) {
+  for (uint32_t i = 0; i < OLX_TILE_TEXELS; i++) {
     const size_t texel =
-        olx_map_index(field->stride, (int32_t)(x + i % OLX_BLOCK_SIDE), (int32_t)(y + i / OLX_BLOCK_SIDE));
+        olx_map_index(field->stride, (int32_t)(x + i % OLX_TILE_SIDE), (int32_t)(y + i / OLX_TILE_SIDE));
     if (!olx_texel_is_sky(field, probe, texel)) return false;
   }
   return true;
 }
 
-static const char *check_light_block(const olx_bc6h_block *block, bool sky) {
-  const uint32_t *w = block->words;
-  if (!olx_bc6h_is_valid(block)) return "a block of no mode";
-  return sky && (w[0] != OLX_BC6H_BLACK || w[1] || w[2] || w[3]) ? "a block of sky that is not black" : NULL;
+// Checks that a tile names blocks that exist, and that light in them has a mode.
+static const char *check_tile_word(const olx_tiled_maps *maps, olx_surface_map map, uint32_t word, bool sky) {
+  const uint32_t first = olx_tile_first(word), count = olx_tile_blocks(word);
+  if (sky) return word ? "a tile of sky that is not 0" : NULL;
+  if (count == 0) return "a tile of no form";
+  if ((uint64_t)first + count > maps->count) return "a tile of blocks that are not there";
+  if (map < OLX_SURFACE_DIRECT) return NULL;
+  const olx_bc6h_block *blocks = maps->blocks;
+  for (uint32_t i = 0; i < count; i++) {
+    if (!olx_bc6h_is_valid(&blocks[first + i])) return "a block of no mode";
+  }
+  return NULL;
 }
 
-// Checks the blocks whose first texel is (x, y).
-static olx_result check_blocks(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
-  static const olx_bc1_block no_base = {0};
-  static const olx_bc5_block no_specular = {0};
-  const olx_field_surfaces *s = &field->surfaces;
-  const size_t at = olx_texel_block_of(field, probe, olx_map_index(field->stride, (int32_t)x, (int32_t)y)).block;
+// Checks the tiles whose first texel is (x, y).
+static olx_result check_tiles(const olx_field *field, uint32_t probe, uint32_t x, uint32_t y) {
+  static const char *const names[OLX_SURFACE_MAPS] = {"base colour", "reflectance", "direct light", "indirect light"};
   const bool sky = all_is_sky(field, probe, x, y);
-  const char *direct = check_light_block(&s->direct_blocks[at], sky),
-             *indirect = check_light_block(&s->indirect_blocks[at], sky);
-  if (direct) return fail_at(field, "direct light", probe, x, y, direct);
-  if (indirect) return fail_at(field, "indirect light", probe, x, y, indirect);
-  const char *what = memcmp(&s->base_blocks[at], &no_base, sizeof no_base) != 0               ? "base colour"
-                     : memcmp(&s->specular_blocks[at], &no_specular, sizeof no_specular) != 0 ? "reflectance"
-                                                                                              : NULL;
-  return sky && what ? fail_at(field, what, probe, x, y, "a block of sky that is not 0") : OLX_OK;
+  const size_t tile =
+      olx_first_tile(field, probe) + (size_t)(y / OLX_TILE_SIDE) * field->surfaces.tile_side + x / OLX_TILE_SIDE;
+  for (uint32_t map = 0; map < OLX_SURFACE_MAPS; map++) {
+    const olx_tiled_maps *maps = &field->surfaces.tiled[map];
+    const char *problem = check_tile_word(maps, map, maps->words[tile], sky);
+    if (problem) return fail_at(field, names[map], probe, x, y, problem);
+  }
+  return OLX_OK;
 }
 
 // Returns whether a texel may have emission: it is marked as an emitter or sees the sky, or distances have no mark.
@@ -131,7 +148,7 @@ static bool may_emit(const olx_field *field, uint32_t probe, uint32_t x, uint32_
   return field->distance[field->texels * probe + olx_map_index(field->stride, (int32_t)x, (int32_t)y)] >= 0x7C00u;
 }
 
-static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t tile_x, uint32_t tile_y) {
+static olx_result check_emission(const olx_field *field, uint32_t probe, uint32_t tile_x, uint32_t tile_y) {
   const olx_field_surfaces *s = &field->surfaces;
   const uint32_t entry = s->emission[(size_t)s->tile_side * s->tile_side * probe + tile_y * s->tile_side + tile_x];
   if (entry == 0) return OLX_OK;
@@ -151,27 +168,41 @@ static olx_result check_tile(const olx_field *field, uint32_t probe, uint32_t ti
 }
 
 olx_result olx_surface_contents_verify(const olx_field *field, uint32_t probe) {
-  const uint32_t step = field->info.maps.compressed ? OLX_BLOCK_SIDE : 1;
+  const uint32_t step = field->info.maps.compressed ? OLX_TILE_SIDE : 1;
   for (uint32_t y = 0; y < field->n; y += step) {
     for (uint32_t x = 0; x < field->n; x += step) {
-      OLX_TRY(field->info.maps.compressed ? check_blocks(field, probe, x, y) : check_sky(field, probe, x, y));
+      OLX_TRY(field->info.maps.compressed ? check_tiles(field, probe, x, y) : check_sky(field, probe, x, y));
     }
   }
   const uint32_t side = field->surfaces.tile_side;
-  for (uint32_t i = 0; i < side * side; i++) OLX_TRY(check_tile(field, probe, i % side, i / side));
+  for (uint32_t i = 0; i < side * side; i++) OLX_TRY(check_emission(field, probe, i % side, i / side));
   return OLX_OK;
 }
 
 void olx_surface_row(const olx_field *field, olx_surface_map map, uint32_t probe, uint32_t row, void *texels) {
-  const olx_field_surfaces *s = &field->surfaces;
   uint16_t *halves = texels;
   uint32_t *words = texels;
   for (uint32_t x = 0; x < field->stride; x++) {
     const size_t texel = (size_t)field->stride * row + x;
-    const olx_texel_block at = olx_texel_block_of(field, probe, texel);
-    if (map == OLX_SURFACE_BASE) words[x] = olx_bc1_texel(&s->base_blocks[at.block], at.texel);
-    if (map == OLX_SURFACE_SPECULAR) halves[x] = olx_bc5_texel(&s->specular_blocks[at.block], at.texel);
+    if (map == OLX_SURFACE_BASE) words[x] = olx_tiled_base(field, probe, texel);
+    if (map == OLX_SURFACE_SPECULAR) halves[x] = olx_tiled_specular(field, probe, texel);
     if (map == OLX_SURFACE_DIRECT) words[x] = olx_rgb9e5_pack(olx_texel_direct(field, probe, texel));
     if (map == OLX_SURFACE_INDIRECT) words[x] = olx_rgb9e5_pack(olx_texel_indirect(field, probe, texel));
+  }
+}
+
+void olx_pool_row(const olx_field *field, olx_surface_map map, uint32_t first, uint32_t count, uint32_t row,
+                  void *texels) {
+  const olx_tiled_maps *maps = &field->surfaces.tiled[map];
+  const olx_bc1_block *base = maps->blocks;
+  const olx_bc5_block *specular = maps->blocks;
+  const olx_bc6h_block *light = maps->blocks;
+  uint16_t *halves = texels;
+  uint32_t *words = texels;
+  for (uint32_t x = 0; x < OLX_BLOCK_SIDE * count; x++) {
+    const uint32_t block = first + x / OLX_BLOCK_SIDE, texel = row * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE;
+    if (map == OLX_SURFACE_BASE) words[x] = olx_bc1_texel(&base[block], texel);
+    else if (map == OLX_SURFACE_SPECULAR) halves[x] = olx_bc5_texel(&specular[block], texel);
+    else words[x] = olx_rgb9e5_pack(olx_bc6h_texel(&light[block], texel));
   }
 }

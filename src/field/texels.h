@@ -1,5 +1,5 @@
 // Reads what a texel of a light field probe stores of the surface that it sees. `texel` is an index into a bordered map
-// (olx_map_index, olx_texel_towards), whether the field holds texels or blocks. This header is the only place that
+// (olx_map_index, olx_texel_towards), whether the field holds texels or tiles. This header is the only place that
 // decodes these chunks. For the sky, only emission is defined. Its twin is shaders/lib/texels.glsl.
 #ifndef OLX_FIELD_TEXELS_H
 #define OLX_FIELD_TEXELS_H
@@ -45,6 +45,20 @@ typedef struct olx_texel_parameters {
   float roughness, metallic, specular_weight;
 } olx_texel_parameters;
 
+// Returns the bytes of a texel's base colour in a field of tiles, red lowest; 0 for the sky.
+static inline uint32_t olx_tiled_base(const olx_field *field, uint32_t probe, size_t texel) {
+  const olx_texel_block at = olx_tiled_texel(field, OLX_SURFACE_BASE, probe, texel);
+  const olx_bc1_block *blocks = field->surfaces.tiled[OLX_SURFACE_BASE].blocks;
+  return at.block == OLX_NO_BLOCK ? 0 : olx_bc1_texel(&blocks[at.block], at.texel);
+}
+
+// Returns roughness in the low byte and olx_reflectance_pack in the high one, in a field of tiles; 0 for the sky.
+static inline uint16_t olx_tiled_specular(const olx_field *field, uint32_t probe, size_t texel) {
+  const olx_texel_block at = olx_tiled_texel(field, OLX_SURFACE_SPECULAR, probe, texel);
+  const olx_bc5_block *blocks = field->surfaces.tiled[OLX_SURFACE_SPECULAR].blocks;
+  return at.block == OLX_NO_BLOCK ? 0 : olx_bc5_texel(&blocks[at.block], at.texel);
+}
+
 static inline olx_texel_parameters olx_texel_parameters_of(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
   if (s->base) {
@@ -53,10 +67,9 @@ static inline olx_texel_parameters olx_texel_parameters_of(const olx_field *fiel
     return (olx_texel_parameters){olx_base_color_unpack(base), olx_byte_unpack_unit(base >> 24),
                                   olx_byte_unpack_unit(specular), olx_byte_unpack_unit(specular >> 8)};
   }
-  const olx_texel_block at = olx_texel_block_of(field, probe, texel);
-  const uint32_t specular = olx_bc5_texel(&s->specular_blocks[at.block], at.texel);
+  const uint32_t specular = olx_tiled_specular(field, probe, texel);
   const olx_reflectance r = olx_reflectance_unpack(specular >> 8);
-  return (olx_texel_parameters){olx_base_color_unpack(olx_bc1_texel(&s->base_blocks[at.block], at.texel)),
+  return (olx_texel_parameters){olx_base_color_unpack(olx_tiled_base(field, probe, texel)),
                                 olx_byte_unpack_unit(specular), r.metallic, r.specular_weight};
 }
 
@@ -66,32 +79,44 @@ static inline olx_bsdf olx_texel_material(const olx_field *field, uint32_t probe
   return olx_bsdf_make(p.base_color, p.metallic, p.roughness, p.specular_weight);
 }
 
-// Reads irradiance from a map of texels or a map of blocks, whichever the field has.
-static inline olx_vec3 olx_texel_irradiance(const olx_field *field, const uint32_t *texels,
-                                            const olx_bc6h_block *blocks, uint32_t probe, size_t texel) {
+// Reads irradiance from a map of texels, or from tiles where `texels` is NULL.
+static inline olx_vec3 olx_texel_irradiance(const olx_field *field, const uint32_t *texels, olx_surface_map map,
+                                            uint32_t probe, size_t texel) {
   if (texels) return olx_rgb9e5_unpack(texels[field->texels * probe + texel]);
-  const olx_texel_block at = olx_texel_block_of(field, probe, texel);
-  return olx_bc6h_texel(&blocks[at.block], at.texel);
+  const olx_texel_block at = olx_tiled_texel(field, map, probe, texel);
+  const olx_bc6h_block *blocks = field->surfaces.tiled[map].blocks;
+  return at.block == OLX_NO_BLOCK ? olx_splat(0.0f) : olx_bc6h_texel(&blocks[at.block], at.texel);
 }
 
 // Returns the irradiance in W/m^2 that reaches the surface directly from emitters and the sky.
 static inline olx_vec3 olx_texel_direct(const olx_field *field, uint32_t probe, size_t texel) {
-  return olx_texel_irradiance(field, field->surfaces.direct, field->surfaces.direct_blocks, probe, texel);
+  return olx_texel_irradiance(field, field->surfaces.direct, OLX_SURFACE_DIRECT, probe, texel);
 }
 
 // Returns the irradiance in W/m^2 of light that met at least one surface between emitter and texel.
 static inline olx_vec3 olx_texel_indirect(const olx_field *field, uint32_t probe, size_t texel) {
-  return olx_texel_irradiance(field, field->surfaces.indirect, field->surfaces.indirect_blocks, probe, texel);
+  return olx_texel_irradiance(field, field->surfaces.indirect, OLX_SURFACE_INDIRECT, probe, texel);
+}
+
+// Prefetches what the functions above read of one kind of map: a texel, or a block, which takes reading its tile.
+static inline void olx_texel_prefetch_map(const olx_field *field, olx_surface_map map, const void *texels,
+                                          size_t texel_bytes, uint32_t probe, size_t texel) {
+  if (texels) {
+    __builtin_prefetch((const char *)texels + texel_bytes * (field->texels * probe + texel));
+    return;
+  }
+  const uint32_t block = (uint32_t)olx_tiled_texel(field, map, probe, texel).block;
+  if (block == OLX_NO_BLOCK) return;
+  __builtin_prefetch((const char *)field->surfaces.tiled[map].blocks + (size_t)block * olx_surface_block_bytes(map));
 }
 
 // Prefetches what the functions above read.
 static inline void olx_texel_prefetch(const olx_field *field, uint32_t probe, size_t texel) {
   const olx_field_surfaces *s = &field->surfaces;
-  const size_t plain = field->texels * probe + texel, block = olx_texel_block_of(field, probe, texel).block;
-  __builtin_prefetch(s->base ? (const void *)&s->base[plain] : &s->base_blocks[block]);
-  __builtin_prefetch(s->specular ? (const void *)&s->specular[plain] : &s->specular_blocks[block]);
-  __builtin_prefetch(s->direct ? (const void *)&s->direct[plain] : &s->direct_blocks[block]);
-  __builtin_prefetch(s->indirect ? (const void *)&s->indirect[plain] : &s->indirect_blocks[block]);
+  olx_texel_prefetch_map(field, OLX_SURFACE_BASE, s->base, sizeof *s->base, probe, texel);
+  olx_texel_prefetch_map(field, OLX_SURFACE_SPECULAR, s->specular, sizeof *s->specular, probe, texel);
+  olx_texel_prefetch_map(field, OLX_SURFACE_DIRECT, s->direct, sizeof *s->direct, probe, texel);
+  olx_texel_prefetch_map(field, OLX_SURFACE_INDIRECT, s->indirect, sizeof *s->indirect, probe, texel);
 }
 
 // Returns the emission stored for a texel, RGB9E5; 0 where nothing emits.

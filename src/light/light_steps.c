@@ -5,12 +5,12 @@
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"
-#include "light/direct_light.h"
 #include "light/learn_rays.h"
 #include "light/light_checkpoint.h"
 #include "light/link_batch.h"
 #include "light/surfel_lookup.h"
 #include "scene/bvh.h"
+#include "scene/direct_light.h"
 
 enum {
   FIRST_RAYS = 64,          // per surfel in the first round

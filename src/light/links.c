@@ -5,10 +5,10 @@
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/result.h"
-#include "light/direct_light.h"
 #include "light/kept_rays.h"
 #include "light/link_batch.h"
 #include "scene/bvh.h"
+#include "scene/direct_light.h"
 
 enum { SURFELS_PER_JOB = 8, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
 

@@ -5,7 +5,7 @@
 #ifndef OLX_LIGHT_PATH_H
 #define OLX_LIGHT_PATH_H
 
-#include "light/direct_light.h"
+#include "scene/direct_light.h"
 
 typedef struct olx_path {
   const olx_scene *scene;

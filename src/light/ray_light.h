@@ -2,8 +2,8 @@
 #ifndef OLX_LIGHT_RAY_LIGHT_H
 #define OLX_LIGHT_RAY_LIGHT_H
 
-#include "light/direct_light.h"
 #include "light/scene_light.h"
+#include "scene/direct_light.h"
 
 // Returns the radiance in W/(sr m^2) that surfaces reflect along `ray`, which hit `hit`: direct and solved light from
 // diffuse lobes, after specular reflections on the way. There are at most `bounces` surfaces between emitter and the

@@ -13,9 +13,10 @@ typedef struct olx_planned_maps {
   uint32_t count, size; // number of probes, and texels along a side of a map
 } olx_planned_maps;
 
-// Bytes in proportion to texels that depend on what probes see: planes of fine surfaces, and tiles of emission.
+// Bytes in proportion to texels that depend on what probes see: planes of fine surfaces, tiles of emission, and blocks
+// of tiles of surfaces.
 typedef struct olx_texel_bytes {
-  double planes, emission; // of a texel, on average
+  double planes, emission, surfaces; // of a texel, on average
 } olx_texel_bytes;
 
 // Estimates them from at most 1,024 tiles of 8 x 8 texels, spread evenly over all maps, as the bake will store them.

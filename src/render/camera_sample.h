@@ -3,8 +3,8 @@
 #define OLX_RENDER_CAMERA_SAMPLE_H
 
 #include "render/camera.h"
-#include "light/sampler.h"
 #include "scene/emitters.h"
+#include "scene/sampler.h"
 
 #include <octalux/render.h>
 

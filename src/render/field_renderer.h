@@ -3,7 +3,7 @@
 #define OLX_RENDER_FIELD_RENDERER_H
 
 #include "render/camera_sample.h"
-#include "light/direct_light.h"
+#include "scene/direct_light.h"
 
 void olx_field_render_tile(const olx_render_context *context, olx_tile_rays *rays, olx_camera_sample *samples,
                            olx_render_stats *stats);
@@ -21,10 +21,10 @@ typedef struct olx_ray_light {
 
 // Returns the radiance along a cosine-distributed direction: its mean is irradiance / pi.
 olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
-                                      olx_render_stats *stats);
+                                    olx_render_stats *stats);
 // Returns the light that the specular lobe reflects towards `view`.
 olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
-                                     olx_vec2 random, olx_render_stats *stats);
+                                   olx_vec2 random, olx_render_stats *stats);
 
 // Returns the irradiance, without rays, of the surface that `hit` is on: from classic maps with that method; stored at
 // surfaces where settings choose that for diffuse light and in fields without probe light; otherwise from irradiance

@@ -13,7 +13,7 @@ _Static_assert(sizeof(olx_gpu_grid) == 48 && offsetof(olx_gpu_grid, spacing) == 
                    offsetof(olx_gpu_grid, count) == 32,
                "std140");
 _Static_assert(
-    sizeof(olx_field_constants) == 256 && offsetof(olx_field_constants, irradiance_grid) == 48 &&
+    sizeof(olx_field_constants) == 288 && offsetof(olx_field_constants, irradiance_grid) == 48 &&
         offsetof(olx_field_constants, scene_min) == 96 && offsetof(olx_field_constants, scene_max) == 112 &&
         offsetof(olx_field_constants, probe_count) == 128 && offsetof(olx_field_constants, n) == 132 &&
         offsetof(olx_field_constants, least_nodes) == 136 && offsetof(olx_field_constants, maps_a_side) == 140 &&
@@ -27,9 +27,10 @@ _Static_assert(
         offsetof(olx_field_constants, tile_count) == 188 && offsetof(olx_field_constants, lights_first) == 192 &&
         offsetof(olx_field_constants, light_count) == 196 && offsetof(olx_field_constants, last_bounce) == 200 &&
         offsetof(olx_field_constants, volume_first) == 204 && offsetof(olx_field_constants, pyramid_first) == 208 &&
-        offsetof(olx_field_constants, surface_scale) == 224 && offsetof(olx_field_constants, surface_border) == 228 &&
+        offsetof(olx_field_constants, map_scale) == 224 && offsetof(olx_field_constants, tiled) == 228 &&
         offsetof(olx_field_constants, compressed) == 232 && offsetof(olx_field_constants, planes_first) == 236 &&
-        offsetof(olx_field_constants, plane_count) == 240 && offsetof(olx_field_constants, geometry_scale) == 244,
+        offsetof(olx_field_constants, plane_count) == 240 && offsetof(olx_field_constants, geometry_scale) == 244 &&
+        offsetof(olx_field_constants, tile_words) == 256 && offsetof(olx_field_constants, tile_blocks) == 272,
     "std140");
 _Static_assert(sizeof(olx_gpu_probe) == 16 && offsetof(olx_gpu_probe, flags) == 12, "std430");
 _Static_assert(sizeof(olx_frame_constants) == 128 && offsetof(olx_frame_constants, eye) == 64 &&

@@ -10,6 +10,16 @@ static const char WHAT[] = "a field on the device";
 
 enum { ALL_BINDINGS = (1 << OLX_FIELD_BINDINGS) - 1 };
 
+// Lays out the blocks of a pool in rows.
+static olx_result lay_out_pool(const olx_vulkan_context *c, olx_gpu_maps *maps) {
+  const uint32_t most_layers = c->limits.maxImageArrayLayers;
+  maps->maps_a_side = OLX_POOL_ROW;
+  maps->layers = (olx_pool_rows(maps->count) + OLX_POOL_ROW - 1) / OLX_POOL_ROW;
+  if (maps->layers <= most_layers) return OLX_OK;
+  return olx_fail(OLX_ERROR_UNSUPPORTED, "%u blocks of surfaces do not fit into %u layers of %d on this device",
+                  maps->count, most_layers, OLX_POOL_ROW * OLX_POOL_ROW);
+}
+
 // Computes how many maps share a layer, so that the image has no more layers, and layers no more texels, than the
 // device allows.
 static olx_result lay_out_maps(const olx_vulkan_context *c, olx_gpu_maps *maps) {
@@ -36,13 +46,15 @@ static olx_result check_format(const olx_vulkan_context *c, const olx_gpu_maps *
 }
 
 static olx_result create_image(const olx_vulkan_context *c, olx_gpu_maps *maps) {
-  OLX_TRY(lay_out_maps(c, maps));
+  OLX_TRY(maps->pooled ? lay_out_pool(c, maps) : lay_out_maps(c, maps));
   OLX_TRY(check_format(c, maps));
-  const uint32_t side = maps->maps_a_side * maps->stride;
+  const uint32_t pool_rows = maps->layers > 1 ? OLX_POOL_ROW : olx_pool_rows(maps->count),
+                 width = maps->pooled ? OLX_POOL_ROW * OLX_BLOCK_SIDE : maps->maps_a_side * maps->stride,
+                 height = maps->pooled ? pool_rows * OLX_BLOCK_SIDE : width;
   const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                   .imageType = VK_IMAGE_TYPE_2D,
                                   .format = maps->format,
-                                  .extent = {side, side, 1},
+                                  .extent = {width, height, 1},
                                   .mipLevels = 1,
                                   .arrayLayers = maps->layers,
                                   .samples = VK_SAMPLE_COUNT_1_BIT,
@@ -81,6 +93,16 @@ static VkDeviceSize volume_bytes(const olx_volume *v) {
   return (VkDeviceSize)((const char *)(v->index + cubes) - (const char *)v->header);
 }
 
+// Returns whether the device holds surfaces as tiles. Relighting writes texels.
+static bool keeps_tiles(const olx_field *field) { return !field->surfaces.base && !field->relight.header; }
+
+static olx_gpu_words tile_words(const olx_field *field, uint32_t part) {
+  const olx_field_surfaces *s = &field->surfaces;
+  if (!keeps_tiles(field)) return (olx_gpu_words){0};
+  return (olx_gpu_words){s->tiled[part - OLX_WORDS_SURFACES].words,
+                         sizeof(uint32_t) * s->tile_side * s->tile_side * (VkDeviceSize)field->info.probes.count, 0};
+}
+
 // Lays out pyramids, selectors, emission, lights and the volume one after the other from `first` on: shaders read them
 // as one array of words.
 static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, VkDeviceSize first) {
@@ -103,9 +125,10 @@ static olx_result lay_out_words(olx_vulkan_field *gpu, const olx_field *field, V
   gpu->buffer_bytes = first;
   for (uint32_t i = 0; i < OLX_GPU_WORDS; i++) {
     gpu->words[i] = words[i];
+    if (i >= OLX_WORDS_SURFACES && i <= OLX_WORDS_SURFACES_END) gpu->words[i] = tile_words(field, i);
     gpu->words[i].offset = gpu->buffer_bytes;
     gpu->buffer_bytes +=
-        i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(words[i].bytes);
+        i == OLX_WORDS_LIGHTS ? sizeof(olx_field_light) * gpu->light_room : whole_words(gpu->words[i].bytes);
   }
   return check_range(&gpu->context, gpu->buffer_bytes - first,
                      "pyramids, selectors, emission, planes, lights and volume");
@@ -148,8 +171,8 @@ static olx_gpu_grid grid_constants(const olx_grid *grid) {
 static olx_field_constants field_constants(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_field_info *info = &field->info;
   const olx_gpu_maps *distance = &gpu->maps[OLX_BINDING_DISTANCE - OLX_BINDING_RADIANCE],
-                     *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE],
-                     *surfaces = &gpu->maps[OLX_BINDING_BASE - OLX_BINDING_RADIANCE];
+                     *irradiance = &gpu->maps[OLX_BINDING_IRRADIANCE - OLX_BINDING_RADIANCE];
+  const olx_tiled_maps *tiled = field->surfaces.tiled;
   return (olx_field_constants){
       .grid = info->probes.has_grid ? grid_constants(&info->probes.grid) : (olx_gpu_grid){.count = {0, 0, 0, 0}},
       .irradiance_grid = grid_constants(&info->irradiance.grid),
@@ -177,34 +200,37 @@ static olx_field_constants field_constants(const olx_vulkan_field *gpu, const ol
       .volume_first = field->volume.header ? first_word(gpu, OLX_WORDS_VOLUME) : 0,
       .pyramid_first = {field->pyramid.first[0], field->pyramid.first[1], field->pyramid.first[2],
                         field->pyramid.first[3]},
-      .surface_scale = (float)surfaces->stride / (float)field->stride,
-      .surface_border = !surfaces->blocks,
+      .map_scale = 1.0f / (float)field->stride,
+      .tiled = keeps_tiles(field),
       .compressed = !field->surfaces.base,
       .planes_first = first_word(gpu, OLX_WORDS_PLANES),
       .plane_count = field->planes.count,
       .geometry_scale = field->geometry ? (float)distance->stride / (float)field->stride : 0.0f,
+      .tile_words = {first_word(gpu, OLX_WORDS_SURFACES), first_word(gpu, OLX_WORDS_SURFACES + 1),
+                     first_word(gpu, OLX_WORDS_SURFACES + 2), first_word(gpu, OLX_WORDS_SURFACES + 3)},
+      .tile_blocks = {tiled[0].count, tiled[1].count, tiled[2].count, tiled[3].count},
   };
 }
 
-// Describes maps of surfaces: blocks where both field and device support them, else texels. Relighting writes texels.
+// Describes the image of one kind of maps of surfaces: the pool of its tiles, as blocks where the device supports them,
+// else decoded, or texels.
 static olx_gpu_maps surface_maps(const olx_vulkan_context *c, const olx_field *field, olx_surface_map kind) {
   static const VkFormat TEXELS[OLX_SURFACE_MAPS] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8_UNORM,
                                                     VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_E5B9G9R9_UFLOAT_PACK32},
                         BLOCKS[OLX_SURFACE_MAPS] = {VK_FORMAT_BC1_RGB_UNORM_BLOCK, VK_FORMAT_BC5_UNORM_BLOCK,
                                                     VK_FORMAT_BC6H_UFLOAT_BLOCK, VK_FORMAT_BC6H_UFLOAT_BLOCK};
-  static const uint32_t TEXEL_BYTES[OLX_SURFACE_MAPS] = {4, 2, 4, 4}, BLOCK_BYTES[OLX_SURFACE_MAPS] = {8, 16, 16, 16};
+  static const uint32_t TEXEL_BYTES[OLX_SURFACE_MAPS] = {4, 2, 4, 4};
   const olx_field_surfaces *s = &field->surfaces;
-  const void *texels[OLX_SURFACE_MAPS] = {s->base, s->specular, s->direct, s->indirect},
-             *blocks[OLX_SURFACE_MAPS] = {s->base_blocks, s->specular_blocks, s->direct_blocks, s->indirect_blocks};
-  const bool stored = !texels[kind], keeps = stored && c->host.texture_compression_bc && !field->relight.header;
-  return (olx_gpu_maps){.format = keeps ? BLOCKS[kind] : TEXELS[kind],
-                        .texel_bytes = keeps ? BLOCK_BYTES[kind] : TEXEL_BYTES[kind],
-                        .stride = keeps ? field->n : field->stride,
-                        .count = field->info.probes.count,
-                        .blocks = keeps,
-                        .decoded = stored && !keeps,
+  const void *texels[OLX_SURFACE_MAPS] = {s->base, s->specular, s->direct, s->indirect};
+  const bool tiled = !s->base, pooled = keeps_tiles(field), blocks = pooled && c->host.texture_compression_bc;
+  return (olx_gpu_maps){.format = blocks ? BLOCKS[kind] : TEXELS[kind],
+                        .texel_bytes = blocks ? olx_surface_block_bytes(kind) : TEXEL_BYTES[kind],
+                        .stride = field->stride,
+                        .count = pooled ? s->tiled[kind].count : field->info.probes.count,
+                        .pooled = pooled,
+                        .decoded = tiled && !blocks,
                         .kind = kind,
-                        .texels = stored ? blocks[kind] : texels[kind]};
+                        .texels = tiled ? s->tiled[kind].blocks : texels[kind]};
 }
 
 // Describes distances or geometry blocks. Every device samples images of four words, so a block is a texel.
@@ -218,7 +244,7 @@ static olx_gpu_maps geometry_maps(const olx_field *field) {
 static void fill_missing(olx_gpu_maps maps[OLX_GPU_MAPS]) {
   static const uint32_t black = 0;
   for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
-    if (maps[i].texels) continue;
+    if (maps[i].texels || maps[i].pooled) continue;
     maps[i].stride = maps[i].count = 1;
     maps[i].texels = &black;
   }
@@ -296,8 +322,7 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
   const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume.probe_count;
-  return maps->count == field->info.probes.count && maps->stride == field->stride &&
-         gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
+  return maps->count == field->info.probes.count && !maps->pooled && gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
 }
 
 static VkDescriptorType binding_type(uint32_t binding) {

@@ -6,18 +6,27 @@
 #include "vulkan/context.h"
 #include "vulkan/gpu_structs.h"
 
-enum { OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE };
+enum {
+  OLX_GPU_MAPS = OLX_FIELD_BINDINGS - OLX_BINDING_RADIANCE,
+  OLX_POOL_ROW = 1 << OLX_POOL_ROW_BITS // blocks in a row of a pool's image, and most rows in a layer
+};
+
+// Returns the number of rows of blocks in a pool's image, all layers together.
+static inline uint32_t olx_pool_rows(uint32_t blocks) {
+  return blocks ? (blocks + OLX_POOL_ROW - 1) / OLX_POOL_ROW : 1;
+}
 
 // The maps of one kind: map i lies in layer i / maps_a_side^2 of an image, maps_a_side of them along each side.
 typedef struct olx_gpu_maps {
   VkFormat format;
-  uint32_t texel_bytes; // bytes of a texel or of a block
-  uint32_t stride;      // of a map, in texels, border included; images of blocks have no border
-  uint32_t count, maps_a_side, layers;
-  bool filtered, blocks;
+  uint32_t texel_bytes;                // bytes of a texel or of a block
+  uint32_t stride;                     // of a map, in texels, border included; unused for pools
+  uint32_t count, maps_a_side, layers; // `count` maps, or blocks of a pool
+  bool filtered;
+  bool pooled;          // the image has the blocks of a pool, row by row, instead of maps
   bool decoded;         // the field has blocks, but the image has texels
-  olx_surface_map kind; // the map from which they are decoded
-  const void *texels;   // in the file: texels, or blocks where the image has blocks or they are decoded
+  olx_surface_map kind; // the map of surfaces
+  const void *texels;   // in the file: texels, or the blocks of the pool
   VkImage image;
   VkImageView view;
   VkDeviceMemory memory;
@@ -32,6 +41,8 @@ typedef enum olx_gpu_words_part {
   OLX_WORDS_EMISSION,
   OLX_WORDS_TILES,
   OLX_WORDS_PLANES,
+  OLX_WORDS_SURFACES, // tiles of each kind of map in turn
+  OLX_WORDS_SURFACES_END = OLX_WORDS_SURFACES + OLX_SURFACE_MAPS - 1,
   OLX_WORDS_LIGHTS,
   OLX_WORDS_VOLUME,
   OLX_WORDS_VOLUME_LIGHT, // directly after it

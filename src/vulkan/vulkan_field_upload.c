@@ -1,8 +1,8 @@
 // Uploads a field to the buffer and the images of vulkan_field.c, some rows of maps at a time, through the uploader's
 // staging memory.
 #include "field/field_file.h"
-#include "vulkan/vulkan_field.h"
 #include "vulkan/uploader.h"
+#include "vulkan/vulkan_field.h"
 
 static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, VkImageLayout from, VkImageLayout to) {
   const bool first = from == VK_IMAGE_LAYOUT_UNDEFINED;
@@ -29,12 +29,12 @@ static void transition(const olx_vulkan_field *gpu, VkCommandBuffer commands, Vk
                                      first ? 0 : 1, &buffer, 0, NULL, OLX_GPU_MAPS, barriers);
 }
 
-// Fills memory with rows of texels or of blocks, copied from the file or decoded.
+// Fills memory with rows of texels, copied from the file or decoded.
 static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t map, uint32_t row, uint32_t rows,
                       uint32_t row_bytes, unsigned char *memory) {
-  const size_t rows_a_map = maps->blocks ? maps->stride / OLX_BLOCK_SIDE : maps->stride;
   if (!maps->decoded) {
-    memcpy(memory, (const char *)maps->texels + (rows_a_map * map + row) * row_bytes, (size_t)rows * row_bytes);
+    memcpy(memory, (const char *)maps->texels + ((size_t)maps->stride * map + row) * row_bytes,
+           (size_t)rows * row_bytes);
     return;
   }
   for (uint32_t i = 0; i < rows; i++) {
@@ -45,9 +45,7 @@ static void fill_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t
 // Uploads the rows of one map, as many at a time as fit into the staging slot.
 static olx_result upload_map(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
                              const olx_gpu_maps *maps, uint32_t map) {
-  const uint32_t unit = maps->blocks ? OLX_BLOCK_SIDE : 1; // texels along a side of the unit of texel_bytes
-  const uint32_t all = maps->stride / unit, row_bytes = all * maps->texel_bytes,
-                 most = OLX_STAGING_SLOT_BYTES / row_bytes;
+  const uint32_t all = maps->stride, row_bytes = all * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
   const uint32_t maps_a_layer = maps->maps_a_side * maps->maps_a_side, in_layer = map % maps_a_layer;
   for (uint32_t row = 0; row < all;) {
     const uint32_t rest = all - row, rows = rest < most ? rest : most;
@@ -60,13 +58,63 @@ static olx_result upload_map(olx_vulkan_field *gpu, const olx_field *field, olx_
         .bufferOffset = offset,
         .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, map / maps_a_layer, 1},
         .imageOffset = {(int32_t)(in_layer % maps->maps_a_side * maps->stride),
-                        (int32_t)(in_layer / maps->maps_a_side * maps->stride + unit * row), 0},
-        .imageExtent = {maps->stride, unit * rows, 1},
+                        (int32_t)(in_layer / maps->maps_a_side * maps->stride + row), 0},
+        .imageExtent = {maps->stride, rows, 1},
     };
     gpu->context.vk.CmdCopyBufferToImage(commands, uploader->staging.buffer, maps->image,
                                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     row += rows;
   }
+  return OLX_OK;
+}
+
+// Fills memory with rows of a pool's blocks, from block `first` on. What follows the last block is 0.
+static void fill_pool_rows(const olx_field *field, const olx_gpu_maps *maps, uint32_t first, uint32_t rows,
+                           size_t row_bytes, unsigned char *memory) {
+  memset(memory, 0, rows * row_bytes);
+  for (uint32_t i = 0; i < rows && first < maps->count; i++, first += OLX_POOL_ROW) {
+    const uint32_t rest = maps->count - first, count = rest < OLX_POOL_ROW ? rest : OLX_POOL_ROW;
+    unsigned char *row = memory + i * row_bytes;
+    if (!maps->decoded) {
+      memcpy(row, (const char *)maps->texels + (size_t)first * maps->texel_bytes, (size_t)count * maps->texel_bytes);
+      continue;
+    }
+    for (uint32_t y = 0; y < OLX_BLOCK_SIDE; y++) {
+      olx_pool_row(field, maps->kind, first, count, y, row + row_bytes / OLX_BLOCK_SIDE * y);
+    }
+  }
+}
+
+// Uploads the blocks of a pool, as many rows of a layer at a time as fit into the staging slot.
+static olx_result upload_pool(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
+                              const olx_gpu_maps *maps) {
+  const uint32_t all = olx_pool_rows(maps->count), texels = maps->decoded ? OLX_BLOCK_SIDE * OLX_BLOCK_SIDE : 1,
+                 row_bytes = OLX_POOL_ROW * texels * maps->texel_bytes, most = OLX_STAGING_SLOT_BYTES / row_bytes;
+  for (uint32_t row = 0; row < all;) {
+    const uint32_t in_layer = row % OLX_POOL_ROW, whole = OLX_POOL_ROW - in_layer,
+                   rest = all - row < whole ? all - row : whole, rows = rest < most ? rest : most;
+    void *memory;
+    VkDeviceSize offset;
+    VkCommandBuffer commands;
+    OLX_TRY(olx_uploader_reserve(uploader, rows * row_bytes, &memory, &offset, &commands));
+    fill_pool_rows(field, maps, row * OLX_POOL_ROW, rows, row_bytes, memory);
+    const VkBufferImageCopy region = {
+        .bufferOffset = offset,
+        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, row / OLX_POOL_ROW, 1},
+        .imageOffset = {0, (int32_t)(in_layer * OLX_BLOCK_SIDE), 0},
+        .imageExtent = {OLX_POOL_ROW * OLX_BLOCK_SIDE, rows * OLX_BLOCK_SIDE, 1},
+    };
+    gpu->context.vk.CmdCopyBufferToImage(commands, uploader->staging.buffer, maps->image,
+                                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    row += rows;
+  }
+  return OLX_OK;
+}
+
+static olx_result upload_maps(olx_vulkan_field *gpu, const olx_field *field, olx_uploader *uploader,
+                              const olx_gpu_maps *maps) {
+  if (maps->pooled) return upload_pool(gpu, field, uploader, maps);
+  for (uint32_t map = 0; map < maps->count; map++) OLX_TRY(upload_map(gpu, field, uploader, maps, map));
   return OLX_OK;
 }
 
@@ -100,11 +148,7 @@ static olx_result upload_everything(olx_vulkan_field *gpu, const olx_field *fiel
     const olx_gpu_words *part = &gpu->words[i];
     OLX_TRY(olx_uploader_copy(uploader, part->data, part->bytes, gpu->buffer, part->offset));
   }
-  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) {
-    for (uint32_t map = 0; map < gpu->maps[i].count; map++) {
-      OLX_TRY(upload_map(gpu, field, uploader, &gpu->maps[i], map));
-    }
-  }
+  for (uint32_t i = 0; i < OLX_GPU_MAPS; i++) OLX_TRY(upload_maps(gpu, field, uploader, &gpu->maps[i]));
   OLX_TRY(olx_uploader_reserve(uploader, 0, &memory, &offset, &commands));
   transition(gpu, commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   return olx_uploader_finish(uploader);

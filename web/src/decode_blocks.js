@@ -24,22 +24,23 @@ function reserve(memory, bytes) {
 }
 
 /**
- * Decodes maps of n x n texels: bytes of RGBA for `base`, of RG for `specular`, half floats of RGBA for light. Maps follow each
+ * Decodes images of blocks: bytes of RGBA for `base`, of RG for `specular`, half floats of RGBA for light. Images follow each
  * other, with rows from the first on.
  * @param {'base'|'specular'|'direct'|'indirect'} kind
- * @param {Uint8Array} blocks of all maps
- * @param {number} n texels along a side of a map
+ * @param {Uint8Array} blocks of all images
+ * @param {number} width of an image in texels
+ * @param {number} height
  */
-export async function decodeBlocks(kind, blocks, n) {
+export async function decodeBlocks(kind, blocks, width, height) {
   instance ??= load();
   const decoder = await instance, { decode, blockBytes, Texels, channels } = KINDS[kind];
-  const mapBlocks = (n * n) / 16, mapBytes = mapBlocks * blockBytes, mapTexels = n * n * channels;
+  const mapBlocks = (width * height) / 16, mapBytes = mapBlocks * blockBytes, mapTexels = width * height * channels;
   const from = Math.ceil(decoder.heap() / 16) * 16, to = from + mapBytes;
   reserve(decoder.memory, to + mapTexels * Texels.BYTES_PER_ELEMENT);
   const maps = blocks.length / mapBytes, texels = new Texels(maps * mapTexels);
   for (let map = 0; map < maps; map++) {
     new Uint8Array(decoder.memory.buffer, from, mapBytes).set(blocks.subarray(map * mapBytes, (map + 1) * mapBytes));
-    decoder[decode](from, n / 4, mapBlocks, to);
+    decoder[decode](from, width / 4, mapBlocks, to);
     texels.set(new Texels(decoder.memory.buffer, to, mapTexels), map * mapTexels);
   }
   return texels;

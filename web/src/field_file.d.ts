@@ -30,7 +30,7 @@ export interface FieldInfo {
   grid: FieldGrid | null;
   /** 16 hexadecimal digits. */
   sceneHash: string;
-  /** Whether light and material are in blocks of 4 x 4 texels. */
+  /** Whether light and material are in tiles of blocks of 4 x 4 texels. */
   compressed: boolean;
   /** Whether geometry is in blocks of 4 x 4 texels. */
   geometryBlocks: boolean;
@@ -56,7 +56,10 @@ export interface ParsedField {
   planes?: Uint32Array;
   pyramid: { levels: number; first: number[]; nodes: number };
   least: Uint16Array;
+  /** Maps of texels, or the pools of blocks that `surfaceTiles` names. */
   surfaces: { base: Uint8Array; specular: Uint8Array; direct: Uint8Array | Uint32Array; indirect: Uint8Array | Uint32Array };
+  /** The words of tiles of base, specular, direct and indirect light; null where these are texels. */
+  surfaceTiles: Uint32Array[] | null;
   emission: Uint32Array;
   tiles: Uint32Array;
   lights: Uint32Array;

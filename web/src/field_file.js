@@ -7,7 +7,7 @@ const MAGIC = [0x89, 0x4f, 0x4c, 0x58, 0x0d, 0x0a, 0x1a, 0x0a];
 const PACKED_MAGIC = [0x89, 0x4f, 0x4c, 0x5a];
 const VERSION = 2;
 const OPTIONAL = 1;
-const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME BAS1 BASE REF5 SPEC DIR6 DIRE IND6 INDI EMIS LITE ETIL ORIG';
+const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME BASE SPEC DIRE INDI TBAS TREF TDIR TIND PBAS PREF PDIR PIND EMIS LITE ETIL ORIG';
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
 
@@ -76,7 +76,8 @@ function readInfo(view, at) {
     grid: word(16) ? readGrid(view, at + 72) : null,
     sceneHash: view.getBigUint64(at + 144, true).toString(16).padStart(16, '0'),
     lastBounce: view.getFloat32(at + 152, true),
-    compressed: (word(156) & 1) !== 0,
+    compressed: (word(156) & 4) !== 0,
+    untiledBlocks: (word(156) & 1) !== 0,
     geometryBlocks: (word(156) & 2) !== 0,
   };
 }
@@ -84,6 +85,7 @@ function readInfo(view, at) {
 function checkInfo(info) {
   const { probes, radianceSize: n, distanceScale } = info;
   need(probes >= 1, 'no light field probes');
+  need(!info.untiledBlocks, 'surfaces in maps of blocks, which tiles have replaced: bake the scene again');
   need(n >= 8 && n <= 2048 && (n & (n - 1)) === 0, `maps of ${n} texels along a side`);
   need(distanceScale >= 1e-18 && distanceScale <= 1e18, 'a distance scale out of range');
   need([...info.sceneMin, ...info.sceneMax].every(Number.isFinite), 'bounds that are not finite');
@@ -120,14 +122,14 @@ export function parseField(buffer) {
   const n = info.radianceSize, probes = info.probes, pyramid = pyramidOf(n, info.geometryBlocks);
   const bordered = (n + 2) ** 2 * probes, blocks = (n * n) / 16 * probes;
   // `octalux export web --no-glossy` leaves out what reflections alone need.
-  const glossy = chunks.has(info.compressed ? 'BAS1' : 'BASE');
+  const glossy = chunks.has(info.compressed ? 'PBAS' : 'BASE');
   const forGlossy = (type, Kind, length) => (glossy ? array(type, Kind, length) : new Kind(0));
   const surfaces = info.compressed
     ? {
-        base: forGlossy('BAS1', Uint8Array, 8 * blocks),
-        specular: forGlossy('REF5', Uint8Array, 16 * blocks),
-        direct: forGlossy('DIR6', Uint8Array, 16 * blocks),
-        indirect: array('IND6', Uint8Array, 16 * blocks),
+        base: forGlossy('PBAS', Uint8Array, null),
+        specular: forGlossy('PREF', Uint8Array, null),
+        direct: forGlossy('PDIR', Uint8Array, null),
+        indirect: array('PIND', Uint8Array, null),
       }
     : {
         base: forGlossy('BASE', Uint8Array, 4 * bordered),
@@ -148,6 +150,14 @@ export function parseField(buffer) {
     pyramid,
     least: forGlossy('DMIN', Uint16Array, pyramid.nodes * probes),
     surfaces,
+    surfaceTiles: info.compressed
+      ? [
+          forGlossy('TBAS', Uint32Array, (n / 8) ** 2 * probes),
+          forGlossy('TREF', Uint32Array, (n / 8) ** 2 * probes),
+          forGlossy('TDIR', Uint32Array, (n / 8) ** 2 * probes),
+          array('TIND', Uint32Array, (n / 8) ** 2 * probes),
+        ]
+      : null,
     emission: forGlossy('EMIS', Uint32Array, (n / 8) ** 2 * probes),
     tiles: forGlossy('ETIL', Uint32Array, null),
     lights: forGlossy('LITE', Uint32Array, null),
@@ -160,7 +170,9 @@ export function parseField(buffer) {
 }
 
 // Checks counts of bricks and of the volume, which shaders trust: every list must be inside its chunk.
-function checkParts({ bricks, volume, tiles, lights, planes, info }) {
+function checkParts({ bricks, volume, tiles, lights, planes, surfaces, info }) {
+  need(!info.compressed || (surfaces.base.length % 8 === 0 && [surfaces.specular, surfaces.direct, surfaces.indirect].every((pool) => pool.length % 16 === 0)),
+    'a pool of blocks is cut off');
   need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
   need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');
   need(!(info.selectMask & 8) || bricks, 'chunk BRIK is missing');

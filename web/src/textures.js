@@ -10,6 +10,7 @@ import { decodeBlocks } from './decode_blocks.js';
 import { FieldError } from './field_file.js';
 
 const ROW = 2048; // OLX_DATA_ROW of data.glsl
+const POOL_ROW = 512; // 1 << OLX_POOL_ROW_BITS: blocks in a row of a pool's image, and most rows in a layer
 const LIGHT_WORDS = 16, MOST_HIGHLIGHTS = 16;
 const GPU_SELECTORS = 0xb; // OLX_SELECT_GPU_MASK
 
@@ -70,18 +71,34 @@ function texelMaps(data, maps, stride, side, { format, type, channels }) {
   return finish(texture);
 }
 
-function blockMaps(data, maps, n, side, { format, type, bytes }) {
-  const layers = Math.ceil(maps / side ** 2), tiled = tile(data, maps, (n / 4) * bytes, n / 4, side), width = side * n;
-  return finish(new CompressedArrayTexture([{ data: tiled, width, height: width }], width, width, layers, format, type));
+// The image of a pool: its blocks row by row, the last row and the last layer filled up with zeros.
+export function poolShape(blocks) {
+  const rows = Math.max(Math.ceil(blocks / POOL_ROW), 1), layers = Math.ceil(rows / POOL_ROW);
+  return { width: 4 * POOL_ROW, height: 4 * (layers > 1 ? POOL_ROW : rows), layers };
+}
+
+function padded(data, length) {
+  const whole = new data.constructor(length);
+  whole.set(data);
+  return whole;
+}
+
+async function poolMaps(data, kind, renderer) {
+  const { extension, format, type, bytes } = BLOCKS[kind], { width, height, layers } = poolShape(data.length / bytes);
+  const blocks = padded(data, (width / 4) * (height / 4) * layers * bytes);
+  if (renderer.extensions.has(extension)) {
+    return finish(new CompressedArrayTexture([{ data: blocks, width, height }], width, height, layers, format, type));
+  }
+  const decoded = DECODED[kind], texture = new DataArrayTexture(await decodeBlocks(kind, blocks, width, height), width, height, layers);
+  texture.format = decoded.format;
+  texture.type = decoded.type;
+  return finish(texture);
 }
 
 async function surfaceMaps(field, kind, side, renderer) {
   const { probes, radianceSize: n, compressed } = field.info, data = field.surfaces[kind];
   if (data.length === 0) return texelMaps(new Uint8Array(4), 1, 1, 1, DECODED.base); // nothing reads it without reflections
-  if (!compressed) return texelMaps(data, probes, n + 2, side, TEXELS[kind]);
-  const { extension } = BLOCKS[kind];
-  if (renderer.extensions.has(extension)) return blockMaps(data, probes, n, side, BLOCKS[kind]);
-  return texelMaps(await decodeBlocks(kind, data, n), probes, n, side, DECODED[kind]);
+  return compressed ? poolMaps(data, kind, renderer) : texelMaps(data, probes, n + 2, side, TEXELS[kind]);
 }
 
 // Puts a flat array into the rows of an image.
@@ -112,7 +129,8 @@ export function layOutWords(field) {
   const lights = field.lights.length / LIGHT_WORDS > MOST_HIGHLIGHTS ? new Uint32Array(0) : field.lights, none = new Uint32Array(0);
   const parts = {
     least: field.least, bricks: field.bricks ?? none, neighbours: field.neighbours ?? none, emission: field.emission, tiles: field.tiles,
-    planes: field.planes ?? none, lights,
+    planes: field.planes ?? none, baseTiles: field.surfaceTiles?.[0] ?? none, specularTiles: field.surfaceTiles?.[1] ?? none,
+    directTiles: field.surfaceTiles?.[2] ?? none, indirectTiles: field.surfaceTiles?.[3] ?? none, lights,
     volume: field.volume?.cells ?? none, volumeLight: field.volume?.light ?? none,
   };
   const first = {}, pieces = Object.values(parts).map(wordsOf);
@@ -162,13 +180,16 @@ function constants(field, { first, lights }, side) {
     last_bounce: info.lastBounce,
     volume_first: field.volume ? first.volume : 0,
     pyramid_first: pyramid.first,
-    surface_scale: info.compressed ? n / (n + 2) : 1,
-    surface_border: info.compressed ? 0 : 1,
+    map_scale: 1 / (n + 2),
+    tiled: info.compressed ? 1 : 0,
     compressed: info.compressed ? 1 : 0,
     planes_first: first.planes,
     plane_count: (field.planes?.length ?? 0) / 2,
     geometry_scale: field.geometry ? n / 4 / (n + 2) : 0,
-    padding: [0, 0],
+    unused_1: 0,
+    unused_2: 0,
+    tile_words: [first.baseTiles, first.specularTiles, first.directTiles, first.indirectTiles],
+    tile_blocks: info.compressed ? ['base', 'specular', 'direct', 'indirect'].map((kind) => field.surfaces[kind].length / BLOCKS[kind].bytes) : [0, 0, 0, 0],
   };
 }
 

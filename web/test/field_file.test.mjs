@@ -50,23 +50,27 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     const plain = parseField(bufferOf(texels)), { bytes: larger } = JSON.parse(run('info', texels, '--json'));
     assert.equal(of(plain.normals), larger.normal);
     assert.equal(of(plain.distances), larger.distance);
-    assert.equal(of(field.surfaces.base, field.surfaces.specular), bytes.material);
-    assert.equal(of(field.surfaces.direct), bytes.direct);
+    const [base, specular, direct] = field.surfaceTiles;
+    assert.equal(of(field.surfaces.base, field.surfaces.specular, base, specular), bytes.material);
+    assert.equal(of(field.surfaces.direct, direct), bytes.direct);
     assert.equal(of(field.bricks, field.neighbours), bytes.selector);
   });
 
   test('decodes to the light that the same field has without blocks', async () => {
     const packed = parseField(bufferOf(blocks)), plain = parseField(bufferOf(texels)), n = 32;
-    const halves = await decodeBlocks('indirect', packed.surfaces.indirect, n);
+    const pool = packed.surfaces.indirect, width = pool.length / 4, halves = await decodeBlocks('indirect', pool, width, 4);
     const half = (h) => (h & 0x7c00 ? 2 ** ((h >> 10) - 15) * (1 + (h & 1023) / 1024) : 2 ** -24 * h);
     const shared = (word) => [0, 9, 18].map((shift) => ((word >> shift) & 511) * 2 ** ((word >>> 27) - 24));
     let wrong = 0, whole = 0;
     for (let i = 0; i < packed.info.probes * n * n; i++) {
       const probe = Math.floor(i / (n * n)), x = i % n, y = Math.floor(i / n) % n;
       if ((plain.distances[(n + 2) ** 2 * probe + (y + 1) * (n + 2) + x + 1] & 0x7fff) === 0x7c00) continue;
+      const word = packed.surfaceTiles[3][(n / 8) ** 2 * probe + (y >> 3) * (n / 8) + (x >> 3)], halfSize = word >>> 30 === 1;
+      const block = (word & 0x3fffffff) + (halfSize ? 0 : ((y >> 2) & 1) * 2 + ((x >> 2) & 1));
+      const texel = halfSize ? [(x >> 1) & 3, (y >> 1) & 3] : [x & 3, y & 3], at = texel[1] * width + 4 * block + texel[0];
       const expected = shared(plain.surfaces.indirect[(n + 2) ** 2 * probe + (y + 1) * (n + 2) + x + 1]);
       expected.forEach((value, c) => {
-        wrong += (half(halves[4 * i + c]) - value) ** 2;
+        wrong += (half(halves[4 * at + c]) - value) ** 2;
         whole += value ** 2;
       });
     }
@@ -78,6 +82,7 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     const same = (at, part) => assert.deepEqual([...words.subarray(at, at + part.length)], [...part]);
     same(first.bricks, field.bricks);
     same(first.emission, field.emission);
+    same(first.indirectTiles, field.surfaceTiles[3]);
     same(first.volume, field.volume.cells);
     assert.equal(first.volumeLight, first.volume + field.volume.cells.length);
     assert.equal(words[0], (field.least[0] | (field.least[1] << 16)) >>> 0);

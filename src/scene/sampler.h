@@ -1,7 +1,7 @@
 // The random numbers of one camera sample or path: each pair of dimensions has its own Owen-scrambled sequence over the
 // samples.
-#ifndef OLX_LIGHT_SAMPLER_H
-#define OLX_LIGHT_SAMPLER_H
+#ifndef OLX_SCENE_SAMPLER_H
+#define OLX_SCENE_SAMPLER_H
 
 #include "core/sampling.h"
 

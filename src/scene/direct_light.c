@@ -1,6 +1,6 @@
 // Estimates direct light at a surface by next-event estimation: samples of lights and rays drawn from the lobes share
 // the work by Veach's power heuristic.
-#include "light/direct_light.h"
+#include "scene/direct_light.h"
 
 #include "scene/bvh.h"
 

@@ -1,11 +1,11 @@
 // Direct light of a surface, by next-event estimation with multiple importance sampling (Veach's power heuristic).
 // Lights are sampled here; rays from lobes are followed by the caller (the path tracer continues along the ray,
 // olx_direct_light only tests whether it hits an emitter).
-#ifndef OLX_LIGHT_DIRECT_LIGHT_H
-#define OLX_LIGHT_DIRECT_LIGHT_H
+#ifndef OLX_SCENE_DIRECT_LIGHT_H
+#define OLX_SCENE_DIRECT_LIGHT_H
 
-#include "light/sampler.h"
 #include "scene/emitters.h"
+#include "scene/sampler.h"
 
 // A surface prepared for shading from one direction.
 typedef struct olx_shading {

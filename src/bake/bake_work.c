@@ -98,12 +98,12 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add(&manifest, "build", olx_name_build().text);
   add_machine(&manifest, scene);
   olx_manifest_add(&manifest, "capture", settings->raster ? settings->raster->name : "rays");
-  add_hashed(&manifest, "settings", &chosen);
   // In the order of the bits in scene_parts.h.
   olx_manifest_add_hash(&manifest, "geometry", parts.geometry);
   olx_manifest_add_hash(&manifest, "materials", parts.materials);
   olx_manifest_add_hash(&manifest, "lights", parts.lights);
   add_hashed(&manifest, "views", &views);
+  add_hashed(&manifest, "settings", &chosen);
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
   olx_manifest_add(&manifest, "stages",
                    "manifest plan scene light points cast direct bounce lookup facts volume irradiance classic relight "

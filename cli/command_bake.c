@@ -1,5 +1,6 @@
 // octalux bake: bakes a scene into a field file, or prints the cost of the bake without running it.
 #include "bake_budget.h"
+#include "bake_driver.h"
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"
@@ -14,6 +15,7 @@
 #include <malloc.h>
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 static int print_bake_json(const olx_bake_settings *settings, const olx_bake_stats *stats) {
   cJSON *object = cJSON_CreateObject();
@@ -148,6 +150,7 @@ typedef struct bake_command {
   bool dry_run, json;
   double memory_mb; // the most memory, 10^6 bytes; 0: no limit
   work_line units;
+  const bake_driver *driver; // NULL: one process bakes
 } bake_command;
 
 // Prints sizes and time of a bake without running it. The exit code and the last line report a bake that does not fit.
@@ -207,6 +210,16 @@ static int print_part(const olx_bake_work *work, const work_line *units, bool js
   return print_json("bake", object);
 }
 
+// Lets the driver compute the units; *collects: this process then makes the field of them.
+static int drive(const olx_scene *scene, bake_command *c, const char *path, bool *collects) {
+  driven_bake bake = {scene, c->given.settings, path, !c->units.json && (c->progress == 1 || isatty(STDERR_FILENO))};
+  *collects = true;
+  if (!c->driver) return EXIT_DONE;
+  const int code = c->driver->run(c->driver->user, &bake, collects);
+  c->given.settings = bake.settings;
+  return code;
+}
+
 static int bake_scene(const olx_scene *scene, const bake_command *c, const char *path) {
   const olx_bake_settings *settings = &c->given.settings;
   progress_line line;
@@ -251,7 +264,10 @@ static int run_bake(const olx_scene *scene, bake_command *c) {
   const int code = resolve_work_options(scene, &c->work, c->output, &c->given.settings, &c->units);
   const char *path = c->output ? c->output : c->given.settings.work.folder;
   if (code != EXIT_DONE) return code;
-  return c->dry_run ? plan_bake(scene, c, path) : bake_scene(scene, c, path);
+  if (c->dry_run) return plan_bake(scene, c, path);
+  bool collects;
+  const int driven = drive(scene, c, path, &collects);
+  return driven == EXIT_DONE && collects ? bake_scene(scene, c, path) : driven;
 }
 
 static const option output_option[] = {
@@ -284,11 +300,15 @@ static const option measure_option[] = {
 // they get.
 static void return_released_memory(void) { mallopt(M_MMAP_THRESHOLD, 1 << 17); }
 
-int command_bake(int argc, char **argv) {
-  bake_command c = {.given = bake_options_begin()};
-  command_line line = {.name = "bake",
-                       .summary = "Bake a scene's light into a field: what its probes see, and their irradiance.",
-                       .example = "octalux bake room.gltf --probes probes.json -o room.olx",
+int command_bake(int argc, char **argv) { return bake_with(NULL, argc, argv); }
+
+int bake_with(const bake_driver *driver, int argc, char **argv) {
+  bake_command c = {.given = bake_options_begin(), .driver = driver, .work.driven = driver != NULL};
+  command_line line = {.name = driver ? driver->name : "bake",
+                       .summary = driver ? driver->summary
+                                         : "Bake a scene's light into a field: what its probes see, and their "
+                                           "irradiance.",
+                       .example = driver ? driver->example : "octalux bake room.gltf --probes probes.json -o room.olx",
                        .arguments = {"SCENE"},
                        .tables = {{output_option, &c.output},
                                   {bake_basic_options, &c.given},
@@ -309,7 +329,9 @@ int command_bake(int argc, char **argv) {
   if (c.memory_mb > 0.0 || c.dry_run) return_released_memory();
   const command_files files = {.inputs = {line.given[0], c.given.probes}, .outputs = {{c.output, false}}};
   code = check_files("bake", &files, c.json);
+  if (code == EXIT_DONE) code = check_work_options(&c.work, c.dry_run);
   if (code != EXIT_DONE) return code;
+  if (driver && !driver->checked(driver->user)) return EXIT_FAILED;
   olx_scene *scene = NULL;
   code = load_scene("bake", line.given[0], &c.loading, &scene);
   if (code != EXIT_DONE) return code;

@@ -212,7 +212,7 @@ class BakeUnit(Struct):
 
 class BakeWork(Struct):
     _fields_ = [("folder", c_char_p), ("fresh", c_bool), ("keep", c_bool), ("limit_bytes", c_uint64),
-                ("part", c_uint32), ("parts", c_uint32), ("done", c_void_p), ("user", c_void_p)]
+                ("part", c_uint32), ("parts", c_uint32), ("done", c_void_p), ("wait", c_void_p), ("user", c_void_p)]
 
 
 class BakeSettings(Struct):

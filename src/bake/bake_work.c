@@ -24,7 +24,7 @@ static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
 
 // A new setting has to be added to the manifest as well, unless results do not depend on it, like the number of
 // threads, the memory limit and the work folder.
-_Static_assert(sizeof(olx_bake_settings) == 232, "does a new setting change results?");
+_Static_assert(sizeof(olx_bake_settings) == 240, "does a new setting change results?");
 
 static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
   const uint32_t numbers[] = {s->probes ? s->probe_count : 0,
@@ -114,6 +114,11 @@ static void report_unit(void *user, const olx_unit_done *unit) {
   work->done(work->user, &done);
 }
 
+static bool wait_for_others(void *user, double waited_seconds) {
+  const olx_bake_work *work = user;
+  return work->wait(work->user, waited_seconds);
+}
+
 static olx_result check_work(const olx_bake_settings *s) {
   const olx_bake_work *work = &s->work;
   if (work->parts && (work->part < 1 || work->part > work->parts)) {
@@ -141,6 +146,7 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
                                            .part = work->part,
                                            .parts = work->parts,
                                            .done = work->done ? report_unit : NULL,
+                                           .wait = work->wait ? wait_for_others : NULL,
                                            .user = (void *)(uintptr_t)work};
   return olx_unit_store_open(&opening, store);
 }

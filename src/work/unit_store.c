@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
+#include "work/unit_deal.h"
 
 #include <string.h>
 #include <sys/stat.h>
@@ -78,12 +79,11 @@ static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_
   s->settings.done(s->settings.user, &done);
 }
 
-// Returns whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another
-// part.
-static bool is_mine(const olx_unit_store *s, const olx_unit_name *name) {
-  uint32_t first = name->round;
-  for (const char *c = name->stage; *c; c++) first = 31 * first + (uint32_t)*c;
-  return (first + name->unit) % s->settings.parts == s->settings.part - 1;
+static olx_unit_deal deal_of(const olx_unit_store *s, const olx_unit_stage *stage) {
+  olx_unit_deal deal =
+      olx_unit_deal_begin(stage->name, stage->round, stage->count, s->settings.part, s->settings.parts);
+  deal.helps = s->settings.wait != NULL;
+  return deal;
 }
 
 static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const void *data, size_t size_bytes) {
@@ -153,30 +153,39 @@ static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   return OLX_OK;
 }
 
-static olx_result refuse_missing(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t missing) {
+static olx_result refuse_missing(const olx_unit_store *s, const char *stage, uint32_t count, uint32_t missing) {
   return olx_fail(OLX_ERROR_INCOMPLETE, "%s: %u of %u units of the stage '%s' are not there yet", s->path, missing,
-                  stage->count, stage->name);
+                  count, stage);
+}
+
+// A stage whose units are looked for in a store.
+typedef struct stage_place {
+  const olx_unit_store *store;
+  const olx_unit_stage *stage;
+} stage_place;
+
+static bool has_unit(const void *user, uint32_t unit) {
+  const stage_place *place = user;
+  return is_stored(place->store, &(olx_unit_name){place->stage->name, place->stage->round, unit});
 }
 
 static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
-  uint32_t missing = 0;
-  for (uint32_t unit = 0; unit < stage->count; unit++) {
-    const olx_unit_name name = {stage->name, stage->round, unit};
-    if (is_stored(s, &name)) continue;
-    if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit));
-  }
+  const stage_place place = {s, stage};
+  olx_unit_deal deal = deal_of(s, stage);
+  uint32_t missing = 0, next;
+  while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next));
   // Other parts may have stored theirs since.
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     missing += !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
   }
-  return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
+  return missing > 0 ? refuse_missing(s, stage->name, stage->count, missing) : OLX_OK;
 }
 
 static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     bool missing = !is_stored(s, &(olx_unit_name){stage->name, stage->round, unit});
     if (!missing) OLX_TRY(load_unit(s, stage, unit, &missing));
-    if (missing && olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
+    if (missing && olx_unit_store_joins(s)) return refuse_missing(s, stage->name, stage->count, 1);
     if (missing) OLX_TRY(make_unit(s, stage, unit));
   }
   return OLX_OK;
@@ -186,6 +195,26 @@ olx_result olx_units_make(olx_unit_store *s, const olx_unit_stage *stage) {
   return olx_unit_store_is_part(s) ? make_share(s, stage) : make_all(s, stage);
 }
 
+// Waits for a unit of another part. Returns whether it is stored.
+static bool wait_for(const olx_unit_store *s, const olx_unit_name *name) {
+  const double start = olx_seconds();
+  bool stored = is_stored(s, name);
+  while (!stored && s->settings.wait && olx_check_cancelled() == OLX_OK &&
+         s->settings.wait(s->settings.user, olx_seconds() - start)) {
+    stored = is_stored(s, name);
+  }
+  return stored;
+}
+
+olx_result olx_units_await(const olx_unit_store *s, const char *stage, uint32_t round, uint32_t count) {
+  for (uint32_t unit = 0; s && unit < count; unit++) {
+    if (wait_for(s, &(olx_unit_name){stage, round, unit})) continue;
+    OLX_TRY(olx_check_cancelled());
+    return refuse_missing(s, stage, count, count - unit);
+  }
+  return OLX_OK;
+}
+
 olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
   uint32_t absent = 0;
   for (uint32_t unit = 0; unit < stage->count; unit++) {
@@ -193,14 +222,21 @@ olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
     OLX_TRY(load_unit(s, stage, unit, &missing));
     absent += missing;
   }
-  return absent > 0 ? refuse_missing(s, stage, absent) : OLX_OK;
+  return absent > 0 ? refuse_missing(s, stage->name, stage->count, absent) : OLX_OK;
 }
 
 olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
   const olx_unit_name name = {stage->name, stage->round, 0};
-  bool missing = !is_stored(s, &name);
+  bool missing = !is_stored(s, &name), mine = !olx_unit_store_joins(s);
+  if (olx_unit_store_is_part(s)) {
+    const olx_unit_deal deal = deal_of(s, stage);
+    mine = olx_unit_is_dealt(&deal, 0);
+  }
+  if (missing && !mine) {
+    OLX_TRY(olx_units_await(s, stage->name, stage->round, 1));
+    missing = false;
+  }
   if (!missing) OLX_TRY(load_unit(s, stage, 0, &missing));
   if (!missing) return OLX_OK;
-  if (olx_unit_store_joins(s) || (olx_unit_store_is_part(s) && !is_mine(s, &name))) return refuse_missing(s, stage, 1);
-  return make_unit(s, stage, 0);
+  return mine ? make_unit(s, stage, 0) : refuse_missing(s, stage->name, stage->count, 1);
 }

@@ -1,6 +1,7 @@
 // Decides where a bake stores its results, and prints a line for each unit on request.
 #include "work_options.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,8 +42,11 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
   if (unit->found) line->found++;
   else line->made++;
   if (!line->json) return;
-  fprintf(stderr, "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f}\n",
-          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds);
+  fprintf(stderr,
+          "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,"
+          "\"bytes\":%" PRIu64 "}\n",
+          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds,
+          unit->bytes);
 }
 
 // Returns whether a folder that only its owner can access can be created there: some file systems do not support this.

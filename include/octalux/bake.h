@@ -35,6 +35,7 @@ typedef struct olx_bake_unit {
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
+  uint64_t bytes;              // size of its result in the work folder; 0 when it was not kept there
 } olx_bake_unit;
 
 // Where a bake stores the results of its units, so that it can continue after it was stopped or killed, or be divided

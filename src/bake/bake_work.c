@@ -109,8 +109,8 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
 
 static void report_unit(void *user, const olx_unit_done *unit) {
   const olx_bake_work *work = user;
-  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit,
-                              unit->count,      unit->found,      unit->seconds};
+  const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit, unit->count,
+                              unit->found,      unit->seconds,    unit->bytes};
   work->done(work->user, &done);
 }
 

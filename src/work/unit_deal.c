@@ -21,14 +21,38 @@ static bool next_own(olx_unit_deal *d, olx_unit_test *is_stored, const void *use
 
 // Returns whether the unit is missing and its own part has others to compute before it.
 static bool needs_help(const olx_unit_deal *d, olx_unit_test *is_stored, const void *user, uint32_t unit) {
-  return unit >= d->parts && !olx_unit_is_dealt(d, unit) && !is_stored(user, unit) && !is_stored(user, unit - d->parts);
+  if (olx_unit_is_dealt(d, unit) || is_stored(user, unit)) return false;
+  for (uint32_t before = unit; before >= d->parts;) {
+    before -= d->parts;
+    if (!is_stored(user, before)) return true;
+  }
+  return false;
+}
+
+static uint32_t common_divisor(uint32_t a, uint32_t b) {
+  while (b) {
+    const uint32_t rest = a % b;
+    a = b;
+    b = rest;
+  }
+  return a;
+}
+
+// Chooses the part's order: steps that have no divisor in common with the count lead to every unit once.
+static void choose_order(olx_unit_deal *d) {
+  const uint32_t mixed = d->part * UINT32_C(2654435761); // 2^32 divided by the golden ratio
+  d->step = 1 + mixed % d->count;
+  while (common_divisor(d->step, d->count) != 1) d->step++;
+  d->step %= d->count;
+  d->place = (uint32_t)((uint64_t)(d->part - 1) * d->count / d->parts);
 }
 
 static bool next_of_others(olx_unit_deal *d, olx_unit_test *is_stored, const void *user, uint32_t *unit) {
-  const uint32_t start = (uint32_t)((uint64_t)(d->part - 1) * d->count / d->parts);
+  if (d->visited == 0 && d->count > 0) choose_order(d);
   while (d->visited < d->count) {
-    const uint32_t back = start + d->visited++;
-    *unit = d->count - 1 - (back < d->count ? back : back - d->count);
+    *unit = d->place;
+    d->visited++;
+    d->place = (uint32_t)(((uint64_t)d->place + d->step) % d->count);
     if (needs_help(d, is_stored, user, *unit)) return true;
   }
   return false;

@@ -3,7 +3,7 @@
 // Units are dealt to the parts in turn, and each stage begins with another part, so that the steps that are one unit
 // each do not all fall to the same part. A part computes its own units in ascending order. A part that helps then
 // computes units of others: those that are missing, but not the first missing one of their own part, which that part is
-// probably computing. It goes downwards, from a place of its own, so that helpers rarely meet.
+// probably computing. It goes through the stage in an order of its own, so that helpers rarely meet.
 //
 // The rule sees only which units are stored, so that bench/studies can simulate it for any number of parts.
 #ifndef OLX_WORK_UNIT_DEAL_H
@@ -19,6 +19,7 @@ typedef struct olx_unit_deal {
   bool helps;            // also computes units of others
   uint32_t next;         // the next of its own units
   uint32_t visited;      // units of others that were looked at
+  uint32_t place, step;  // the next unit to look at, and the way from it to the one after it
 } olx_unit_deal;
 
 olx_unit_deal olx_unit_deal_begin(const char *stage, uint32_t round, uint32_t count, uint32_t part, uint32_t parts);

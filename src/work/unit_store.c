@@ -73,9 +73,10 @@ void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round
   }
 }
 
-static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start) {
+static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool found, double start,
+                   uint64_t bytes) {
   if (!s || !s->settings.done || !stage->make) return;
-  const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start};
+  const olx_unit_done done = {{stage->name, stage->round, unit}, stage->count, found, olx_seconds() - start, bytes};
   s->settings.done(s->settings.user, &done);
 }
 
@@ -108,7 +109,7 @@ static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   }
   if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
   olx_release(data);
-  if (result == OLX_OK) report(s, stage, unit, true, start);
+  if (result == OLX_OK) report(s, stage, unit, true, start, size_bytes);
   return result;
 }
 
@@ -131,25 +132,29 @@ static olx_result store_bytes(olx_unit_store *s, const olx_unit_name *name, cons
   return olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
 }
 
-static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
+static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, uint64_t *size_bytes) {
   olx_byte_writer bytes = {0};
+  *size_bytes = 0;
   if (s->full) return OLX_OK;
   stage->save(stage->user, unit, &bytes);
   const olx_result result = store_bytes(s, &(olx_unit_name){stage->name, stage->round, unit}, &bytes);
+  *size_bytes = s->full ? 0 : bytes.size_bytes;
   olx_byte_writer_free(&bytes);
   return result;
 }
 
 olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
-  return s ? store_unit(s, stage, 0) : OLX_OK;
+  uint64_t bytes;
+  return s ? store_unit(s, stage, 0, &bytes) : OLX_OK;
 }
 
 static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
   const double start = olx_seconds();
+  uint64_t bytes;
   OLX_TRY(stage->make(stage->user, unit));
   if (!s) return OLX_OK;
-  OLX_TRY(store_unit(s, stage, unit));
-  report(s, stage, unit, false, start);
+  OLX_TRY(store_unit(s, stage, unit, &bytes));
+  report(s, stage, unit, false, start, bytes);
   return OLX_OK;
 }
 

@@ -18,6 +18,7 @@ typedef struct olx_unit_done {
   uint32_t count; // number of units in its stage and round
   bool found;     // loaded; otherwise computed
   double seconds; // time to compute or load it
+  uint64_t bytes; // size of its result; 0 where it was not stored
 } olx_unit_done;
 
 typedef struct olx_unit_store_settings {

@@ -1,5 +1,5 @@
 # The templates of docs/farm.md make the same field as a bake on one machine: the Slurm script as an array of tasks, one
-# of which is killed and requeued, and the shell function that GNU parallel calls.
+# of which is killed and requeued, the shell function that GNU parallel calls, and the templates for OpenJD and OpenCue.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -36,4 +36,5 @@ done
 for process in "${tasks[@]}"; do wait "$process"; done
 octalux join "$DIR" -o temple.olx >/dev/null
 cmp temple.olx whole.olx
+python3 "$OCTALUX_SOURCE_DIR/tests/farm_templates.py" "$page" "$work" "$scene" whole.olx
 [ "$(ls -A)" = "$(printf 'part.sh\ntemple.olx\nwhole.olx')" ]

@@ -26,6 +26,8 @@ const bench_study studies[] = {
      "solved light against path tracing, at points", study_light_quality},
     {"block-quality", "FIELD.olx [TOLERANCE] [LEAST_COSINE] [SCENE]", 1, 4, "bytes and errors of blocks of texels",
      study_block_quality},
+    {"farm-simulation", "UNITS.jsonl PROBES NODES [MB_A_SECOND] [LOADING_SECONDS] [CLOCK_FACTOR] [PLAN_SECONDS]", 3, 7,
+     "how long a bake takes on many machines, by the rule that deals its units", study_farm_simulation},
     {"seams", "SCENE FIELD.olx IMAGE.exr [CAMERA]", 3, 4, "whether a picture shows the borders of cages", study_seams},
     {"scene-arrays", "SCENE FOLDER [CAMERA]", 2, 3, "a scene as plain arrays, for other renderers", study_scene_arrays},
 };

@@ -34,6 +34,7 @@ int study_light_quality(int argc, char **argv);
 int study_placement_check(int argc, char **argv);
 int study_probe_sets(int argc, char **argv);
 int study_viewpoint_limit(int argc, char **argv);
+int study_farm_simulation(int argc, char **argv);
 int study_seams(int argc, char **argv);
 int study_scene_arrays(int argc, char **argv);
 

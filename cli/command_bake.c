@@ -1,6 +1,7 @@
 // octalux bake: bakes a scene into a field file, or prints the cost of the bake without running it.
 #include "bake_budget.h"
 #include "bake_device.h"
+#include "bake_driver.h"
 #include "bake_options.h"
 #include "commands.h"
 #include "files.h"
@@ -14,6 +15,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -166,6 +168,7 @@ typedef struct bake_command {
   work_line units;
   uint32_t device;
   bool validate;
+  const bake_driver *driver; // NULL: one process bakes
 } bake_command;
 
 enum { DEVICE_CPU, DEVICE_VULKAN };
@@ -229,6 +232,16 @@ static int print_part(const olx_bake_work *work, const work_report *units, bool 
   return print_json("bake", object);
 }
 
+// Lets the driver compute the units; *collects: this process then makes the field of them.
+static int drive(const olx_scene *scene, bake_command *c, const char *path, bool *collects) {
+  driven_bake bake = {scene, c->given.settings, path, !c->units.json && (c->progress == 1 || isatty(STDERR_FILENO))};
+  *collects = true;
+  if (!c->driver) return EXIT_DONE;
+  const int code = c->driver->run(c->driver->user, &bake, collects);
+  c->given.settings = bake.settings;
+  return code;
+}
+
 static int bake_scene(const olx_scene *scene, const bake_command *c, const char *path) {
   const olx_bake_settings *settings = &c->given.settings;
   progress_line line;
@@ -273,6 +286,13 @@ static int check_given(const command_line *line, const bake_command *c) {
   return EXIT_DONE;
 }
 
+// Lets the driver run the parts of the bake, if there is one, and bakes or collects what is left in this process.
+static int bake_shared(const olx_scene *scene, bake_command *c, const char *path) {
+  bool collects;
+  const int driven = drive(scene, c, path, &collects);
+  return driven == EXIT_DONE && collects ? bake_scene(scene, c, path) : driven;
+}
+
 // Runs or estimates the bake that the options describe.
 static int run_bake(const olx_scene *scene, bake_command *c) {
   bake_device *device = NULL;
@@ -280,7 +300,7 @@ static int run_bake(const olx_scene *scene, bake_command *c) {
   const char *path = c->output ? c->output : c->given.settings.work.folder;
   if (code == EXIT_DONE && c->device == DEVICE_VULKAN)
     code = open_bake_device(scene, c->validate, &c->given.settings, &device);
-  if (code == EXIT_DONE) code = c->dry_run ? plan_bake(scene, c, path) : bake_scene(scene, c, path);
+  if (code == EXIT_DONE) code = c->dry_run ? plan_bake(scene, c, path) : bake_shared(scene, c, path);
   close_bake_device(device);
   return code;
 }
@@ -325,11 +345,15 @@ static void return_released_memory(void) {
 #endif
 }
 
-int command_bake(int argc, char **argv) {
-  bake_command c = {.given = bake_options_begin()};
-  command_line line = {.name = "bake",
-                       .summary = "Bake a scene's light into a field: what its probes see, and their irradiance.",
-                       .example = "octalux bake room.gltf --probes probes.json -o room.olx",
+int command_bake(int argc, char **argv) { return bake_with(NULL, argc, argv); }
+
+int bake_with(const bake_driver *driver, int argc, char **argv) {
+  bake_command c = {.given = bake_options_begin(), .driver = driver, .work.driven = driver != NULL};
+  command_line line = {.name = driver ? driver->name : "bake",
+                       .summary = driver ? driver->summary
+                                         : "Bake a scene's light into a field: what its probes see, and their "
+                                           "irradiance.",
+                       .example = driver ? driver->example : "octalux bake room.gltf --probes probes.json -o room.olx",
                        .arguments = {"SCENE"},
                        .tables = {{output_option, &c.output},
                                   {bake_basic_options, &c.given},
@@ -350,7 +374,9 @@ int command_bake(int argc, char **argv) {
   if (c.memory_mb > 0.0 || c.dry_run) return_released_memory();
   const command_files files = {.inputs = {line.given[0], c.given.probes}, .outputs = {{c.output, false}}};
   code = check_files("bake", &files, c.json);
+  if (code == EXIT_DONE) code = check_work_options(&c.work, c.dry_run);
   if (code != EXIT_DONE) return code;
+  if (driver && !driver->checked(driver->user)) return EXIT_FAILED;
   olx_scene *scene = NULL;
   code = load_scene("bake", line.given[0], &c.loading, &scene);
   if (code != EXIT_DONE) return code;

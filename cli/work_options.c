@@ -1,6 +1,7 @@
 // Decides where a bake stores its results, and prints a line for each unit on request.
 #include "work_options.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,8 +46,10 @@ static void count_unit(void *user, const olx_bake_unit *unit) {
   count_work_unit(&line->report, unit);
   if (!line->json) return;
   fprintf(stderr,
-          "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,\"why\":\"%s\"}\n",
-          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds, unit->why);
+          "{\"stage\":\"%s\",\"round\":%u,\"unit\":%u,\"count\":%u,\"found\":%s,\"seconds\":%.6f,"
+          "\"bytes\":%" PRIu64 ",\"why\":\"%s\"}\n",
+          unit->stage, unit->round, unit->unit, unit->count, unit->found ? "true" : "false", unit->seconds, unit->bytes,
+          unit->why);
 }
 
 // Returns whether a folder that only its owner can access can be created there: some file systems do not support this.
@@ -80,6 +83,13 @@ static int check_given(const work_options *given, const olx_bake_settings *setti
                               : usage_error("bake", "--part: '%s' is not I/N, from 1/N to N/N", given->part);
 }
 
+int check_work_options(const work_options *given, bool dry_run) {
+  if (!given->driven) return EXIT_DONE;
+  if (given->part) return usage_error("bake", "--part: the ranks are the parts");
+  if (given->none) return usage_error("bake", "--no-work: the ranks share a work folder");
+  return dry_run ? usage_error("bake", "--dry-run: octalux bake does that, with the same options") : EXIT_DONE;
+}
+
 int resolve_work_options(const olx_scene *scene, const work_options *given, const char *output,
                          olx_bake_settings *settings, work_line *line) {
   olx_bake_work *work = &settings->work;
@@ -89,7 +99,8 @@ int resolve_work_options(const olx_scene *scene, const work_options *given, cons
   const int length = snprintf(line->folder, sizeof line->folder, "%s%s", given->folder ? given->folder : output,
                               given->folder ? "" : ".work");
   if (length >= (int)sizeof line->folder) return failure("bake", "the name of the work folder is too long");
-  const bool asked = given->folder || given->keep || given->fresh || given->explain || given->limit > 0.0f;
+  const bool asked = given->driven || given->folder || given->keep || given->fresh || given->explain ||
+                     given->limit > 0.0f;
   if (!asked && !wants_folder(scene, settings, output, line->folder)) return EXIT_DONE;
   work->folder = line->folder;
   work->fresh = given->fresh;

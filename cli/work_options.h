@@ -11,6 +11,7 @@ typedef struct work_options {
   const char *folder, *part; // NULL when not given
   float limit;               // GiB; 0 when not given
   bool none, fresh, keep, explain;
+  bool driven; // a bake_driver.h runs all parts; not an option
 } work_options;
 
 // Options that fill a work_options.
@@ -22,6 +23,9 @@ typedef struct work_line {
   work_report report;
   char folder[4096];
 } work_line;
+
+// Checks what is known before the scene is loaded. Returns EXIT_DONE, or the exit code after a line with the reason.
+int check_work_options(const work_options *given, bool dry_run);
 
 // Sets settings->work from the options; `output` is NULL for a part. Returns EXIT_DONE, or the exit code after a line
 // with the reason. `line` must live as long as the settings.

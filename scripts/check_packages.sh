@@ -5,7 +5,7 @@ set -euo pipefail
 build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-grep -qs octalux-viewer "$build/CPackConfig.cmake" || { echo "skipped: this build makes no packages, or not all"; exit 77; }
+grep -qs octalux-viewer "$build/CPackConfig.cmake" && grep -qs octalux-mpi "$build/CPackConfig.cmake" || { echo "skipped: this build makes no packages, or not all"; exit 77; }
 failed=0
 
 fail() {
@@ -17,8 +17,8 @@ bash "$source/scripts/make_packages.sh" "$build" "$work/packages" >/dev/null
 package_of() { ls "$work"/packages/"$1"_*.deb; }
 field_of() { dpkg-deb -f "$(package_of "$1")" "$2"; }
 version=$(field_of octalux Version)
-[ "$(ls "$work"/packages/*.deb | sed 's|.*/||; s|_.*||' | LC_ALL=C sort | tr '\n' ' ')" = "liboctalux-dev liboctalux0 octalux octalux-doc octalux-viewer " ] ||
-  fail "other packages than five: $(ls "$work/packages")"
+[ "$(ls "$work"/packages/*.deb | sed 's|.*/||; s|_.*||' | LC_ALL=C sort | tr '\n' ' ')" = "liboctalux-dev liboctalux0 octalux octalux-doc octalux-mpi octalux-viewer " ] ||
+  fail "other packages than six: $(ls "$work/packages")"
 
 # holds PACKAGE <LIST: checks that the package has these files under /usr and no others.
 holds() {
@@ -31,6 +31,7 @@ listed() { (cd "$source" && find "$@" -type f ! -path '*__pycache__*'); }
 
 printf '%s\n' lib/liboctalux.so.0 "lib/liboctalux.so.$version" share/doc/liboctalux0/copyright | holds liboctalux0
 printf '%s\n' bin/octalux bin/octalux-bench bin/octalux-bench-gpu share/doc/octalux/copyright | holds octalux
+printf '%s\n' bin/octalux-bake-mpi share/doc/octalux-mpi/copyright | holds octalux-mpi
 printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright | holds octalux-viewer
 {
   listed include
@@ -48,7 +49,7 @@ printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright | holds octalu
 [[ $(field_of liboctalux0 Depends) =~ ^libc6\ [^,]*$ ]] || fail "the runtime depends on $(field_of liboctalux0 Depends)"
 [ "$(field_of liboctalux-dev Depends)" = "liboctalux0 (= $version)" ] || fail "liboctalux-dev depends on $(field_of liboctalux-dev Depends)"
 [ "$(field_of octalux-doc Architecture)" = all ] || fail "documents are for one architecture"
-for package in octalux octalux-viewer; do
+for package in octalux octalux-viewer octalux-mpi; do
   for needed in libc6 libembree3-3 libassimp5 libmeshoptimizer2d libopenexr-3-1-30; do
     [[ ", $(field_of $package Depends)" == *", $needed ("* ]] || fail "$package does not depend on $needed"
   done
@@ -59,14 +60,14 @@ dpkg-deb --ctrl-tarfile "$(package_of liboctalux0)" | tar -xO ./shlibs | grep -q
 # Notices: a package's notice names exactly the libraries that its programs load, and has the text of the licences of
 # code that it contains. third_party PACKAGE-COLUMN HOW FIELD prints a field of cmake/third_party.tsv.
 third_party() { awk -F '\t' -v p="$1" -v h="$2" -v f="$3" '!/^#/ && index("," $1 ",", "," p ",") && $3 == h { print $f }' "$source/cmake/third_party.tsv"; }
-for pair in runtime:liboctalux0 tools:octalux viewer:octalux-viewer; do
+for pair in runtime:liboctalux0 tools:octalux viewer:octalux-viewer mpi:octalux-mpi; do
   package=${pair#*:} column=${pair%:*}
   find "$work/$package" -type f \( -path '*/bin/*' -o -name '*.so.*' \) -exec readelf -d {} + |
     sed -nE 's/.*NEEDED.*\[(.*\.so)(\..*)?\]/\1/p' | sed 's/^\(ld-linux[^.]*\.so\).*/\1/' | sort -u >"$work/needed"
   third_party "$column" loads 5 | tr ',' '\n' | sed 's/^\(ld-linux[^.]*\.so\).*/\1/' | grep -v '^-$' | sort -u >"$work/told"
   diff "$work/needed" "$work/told" >"$work/other" || fail "$package loads other libraries (<) than cmake/third_party.tsv tells (>): $(cat "$work/other")"
 done
-for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-viewer; do
+for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-viewer mpi:octalux-mpi; do
   package=${pair#*:} column=${pair%:*} notice=$work/${pair#*:}/usr/share/doc/${pair#*:}/copyright
   grep -q '^MIT License' "$notice" || fail "$package has no licence of ours"
   while IFS= read -r library; do grep -q "^$library: " "$notice" || fail "$package does not name $library"; done \
@@ -75,7 +76,7 @@ for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-
 done
 
 # Programs have no debug symbols, nothing refers to the build folder, and they run where they were unpacked.
-for program in octalux/usr/bin/octalux octalux/usr/bin/octalux-bench octalux/usr/bin/octalux-bench-gpu octalux-viewer/usr/bin/octalux-view "liboctalux0/usr/lib/liboctalux.so.$version"; do
+for program in octalux/usr/bin/octalux octalux/usr/bin/octalux-bench octalux/usr/bin/octalux-bench-gpu octalux-viewer/usr/bin/octalux-view octalux-mpi/usr/bin/octalux-bake-mpi "liboctalux0/usr/lib/liboctalux.so.$version"; do
   readelf -S "$work/$program" | grep -q '\.debug_info' && fail "$program is not stripped"
   readelf -d "$work/$program" | grep -E 'R(UN)?PATH' && fail "$program looks for libraries in a folder"
 done

@@ -9,9 +9,9 @@ list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
-# Without these packages the build leaves out the Vulkan runtime or the viewer, with a message; without those of the
+# Without these packages the build leaves out the Vulkan runtime, the viewer or octalux-bake-mpi, with a message; without those of the
 # check, the page of export web.
-wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev)
+wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev libopenmpi-dev)
 case $list in
   build) ;;
   check | full | soak)
@@ -26,6 +26,7 @@ case $list in
     [ "$list" != soak ] || needed+=(mmdebstrap) # makes a bare system to install packages on
     [ "$list" != full ] || needed+=(chromium # shows reports
       gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user musl-tools) # for builds for other machines and C libraries
+    [ "$list" = check ] || needed+=(openmpi-bin slurmctld slurmd slurm-client) # run bakes in parts
     ;;
   *)
     echo "install-packages: '$list' is not one of build, check, full, soak" >&2

@@ -31,11 +31,12 @@ octalux compare field.exr path.exr
 octalux-view --help >/dev/null
 octalux-bench --help >/dev/null
 octalux-bench-gpu --help >/dev/null
+octalux-bake-mpi --help >/dev/null # as a job of one rank
 apt-get -q -y --no-install-recommends install gcc libc6-dev pkg-config
 gcc -std=c17 /files/minimal.c $(pkg-config --cflags --libs octalux) -o minimal
 ldd ./minimal | grep /liboctalux.so.0
 ./minimal cornell.olx
-apt-get -q -y purge octalux octalux-viewer octalux-doc liboctalux-dev liboctalux0
+apt-get -q -y purge octalux octalux-viewer octalux-mpi octalux-doc liboctalux-dev liboctalux0
 [ -z "$(find /usr -name '*octalux*')" ]
 echo everything worked
 SCRIPT

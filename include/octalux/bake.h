@@ -32,6 +32,7 @@ typedef struct olx_bake_unit {
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
+  uint64_t bytes;              // size of its result in the work folder; 0 when it was not kept there
   const char *why; // why it was computed: "new", "damaged", or what changed since it was stored, some of "geometry
                    // materials lights views"; "" where `found`. Valid during the call
 } olx_bake_unit;
@@ -49,9 +50,15 @@ typedef struct olx_bake_work {
                         // fails with OLX_ERROR_FILE; 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
                         // field; 0, the default: a whole bake
-  // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted. `user` is passed to it.
+  // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted.
   void (*done)(void *user, const olx_bake_unit *unit);
-  void *user;
+  // Waits for other parts that run at the same time, on the thread that bakes: called again and again while a unit of
+  // theirs is missing, `waited_seconds` after the wait for it began. It sleeps a little and returns true, or returns
+  // false to give up. Such a part also computes units of parts that are behind, returns OLX_OK when all parts are done,
+  // and OLX_ERROR_INCOMPLETE when a damaged unit was found, which a part 1 of 1 then computes. NULL, the default: a
+  // part never waits and returns OLX_ERROR_INCOMPLETE.
+  bool (*wait)(void *user, double waited_seconds);
+  void *user; // passed to done and wait
 } olx_bake_work;
 
 // What rasterises cube maps around light field probes, so that a bake need not cast rays from them (docs/baking.md,
@@ -225,6 +232,11 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 // irradiance probes, which cannot be stored.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
+
+// Makes the checks that come before a bake to `path`, and creates the work folder, or checks that it is of this bake;
+// with work.fresh what it holds is discarded. Bakes nothing. For programs that then run all parts of the bake, whose
+// settings must not say `fresh`; settings->work.part is ignored. Errors as of olx_bake.
+olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *settings, const char *path);
 
 // Writes the field of a work folder that has all units, without the scene. The folder is removed unless `keep`.
 // OLX_ERROR_INCOMPLETE when units are missing, OLX_ERROR_CHECKSUM when one is damaged, OLX_ERROR_ARGUMENT when another

@@ -207,12 +207,12 @@ class ProbeSet(Struct):
 
 class BakeUnit(Struct):
     _fields_ = [("stage", c_char_p), ("round", c_uint32), ("unit", c_uint32), ("count", c_uint32), ("found", c_bool),
-                ("seconds", c_double)]
+                ("seconds", c_double), ("bytes", c_uint64)]
 
 
 class BakeWork(Struct):
     _fields_ = [("folder", c_char_p), ("fresh", c_bool), ("keep", c_bool), ("limit_bytes", c_uint64),
-                ("part", c_uint32), ("parts", c_uint32), ("done", c_void_p), ("user", c_void_p)]
+                ("part", c_uint32), ("parts", c_uint32), ("done", c_void_p), ("wait", c_void_p), ("user", c_void_p)]
 
 
 class BakeSettings(Struct):

@@ -273,7 +273,7 @@ static olx_result run_probes(olx_bake_run *b) {
   OLX_TRY(go_on(b, olx_bake_classic(b)));
   OLX_TRY(go_on(b, olx_bake_relight(b)));
   OLX_TRY(go_on(b, olx_bake_probes(b)));
-  return b->incomplete ? OLX_ERROR_INCOMPLETE : OLX_OK;
+  return b->incomplete ? olx_bake_await(b) : OLX_OK;
 }
 
 // Runs every stage except committing the file. olx_bake_finish releases what the stages allocated.
@@ -351,19 +351,40 @@ static olx_result bake_scene(olx_bake_run *b, const char *path, const olx_progre
   return olx_bake_finish(b, result, start);
 }
 
+static olx_bake_settings without_idle_spacings(const olx_bake_settings *settings) {
+  olx_bake_settings used = *settings;
+  used.grid = without_idle_spacing(settings->grid);
+  used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
+  return used;
+}
+
+// path: of the field; NULL for a part, which writes none.
+static olx_result check_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
+  OLX_TRY(olx_bake_check_machine(scene, settings, path ? path : ""));
+  return path ? olx_output_check(path, false) : OLX_OK;
+}
+
+olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
+  olx_bake_settings used = without_idle_spacings(settings);
+  olx_unit_store *store;
+  used.work.part = used.work.parts = 0;
+  OLX_TRY(check_bake(scene, &used, path));
+  OLX_TRY(olx_scene_check_output(scene, path));
+  OLX_TRY(olx_bake_work_open(scene, &used, &store));
+  olx_unit_store_close(store, false);
+  return OLX_OK;
+}
+
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
   const bool writes = settings->work.parts == 0;
-  OLX_TRY(olx_bake_check_machine(scene, settings, writes ? path : ""));
-  if (writes) OLX_TRY(olx_output_check(path, false));
+  OLX_TRY(check_bake(scene, settings, writes ? path : NULL));
   if (writes) OLX_TRY(olx_scene_check_output(scene, path));
   if (olx_emitters_group_count(scene) == 0) {
     olx_log(OLX_LOG_WARNING,
             "the scene has no light: no lamp, no material that shines, no environment; the field will be black");
   }
-  olx_bake_settings used = *settings;
-  used.grid = without_idle_spacing(settings->grid);
-  used.irradiance_grid = without_idle_spacing(settings->irradiance_grid);
+  olx_bake_settings used = without_idle_spacings(settings);
   olx_bake_run b = {.context = {.scene = scene, .settings = &used}};
   char link_folder[PATH_MAX];
   OLX_TRY(olx_bake_keep_limit(scene, &used, path, progress, link_folder));

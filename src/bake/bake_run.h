@@ -50,6 +50,8 @@ typedef struct olx_bake_run {
 olx_result olx_bake_plan(olx_bake_run *run, olx_result (*make)(olx_bake_run *run));
 // Returns whether the store holds every unit of the file.
 bool olx_bake_is_stored(const olx_bake_run *run);
+// Waits until the store holds every unit of the file (olx_units_await).
+olx_result olx_bake_await(const olx_bake_run *run);
 // Runs the stage that records statistics of the solved light in the file.
 olx_result olx_bake_facts(olx_bake_run *run);
 // Runs the stage of irradiance probes; `make` gathers their light where the store has none.

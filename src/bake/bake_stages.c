@@ -561,12 +561,41 @@ olx_result olx_bake_probes(olx_bake_run *b) {
   return olx_relight_bake_write(&b->relight, b->writer);
 }
 
-bool olx_bake_is_stored(const olx_bake_run *b) {
+// ---- All stages of the file
+
+typedef struct stored_stage {
+  const char *name;
+  uint32_t count;
+} stored_stage;
+
+enum { STORED_STAGES = 6 };
+
+static void list_stored(const olx_bake_run *b, stored_stage stages[STORED_STAGES]) {
   const olx_bake_settings *s = b->context.settings;
-  return olx_units_have_all(b->store, "facts", s->light == OLX_LIGHT_CACHE) &&
-         olx_units_have_all(b->store, "volume", olx_volume_bake_units(&b->volume)) &&
-         olx_units_have_all(b->store, "irradiance", b->context.probes.irradiance.count > 0) &&
-         olx_units_have_all(b->store, "classic", s->classic ? b->context.probes.irradiance.count : 0) &&
-         olx_units_have_all(b->store, "relight", s->relight) &&
-         olx_units_have_all(b->store, "probe", b->context.probes.light_field.count);
+  const uint32_t irradiance = b->context.probes.irradiance.count;
+  const stored_stage all[STORED_STAGES] = {{"facts", s->light == OLX_LIGHT_CACHE},
+                                           {"volume", olx_volume_bake_units(&b->volume)},
+                                           {"irradiance", irradiance > 0},
+                                           {"classic", s->classic ? irradiance : 0},
+                                           {"relight", s->relight},
+                                           {"probe", b->context.probes.light_field.count}};
+  memcpy(stages, all, sizeof all);
+}
+
+bool olx_bake_is_stored(const olx_bake_run *b) {
+  stored_stage stages[STORED_STAGES];
+  list_stored(b, stages);
+  bool stored = true;
+  for (uint32_t i = 0; i < STORED_STAGES; i++) stored &= olx_units_have_all(b->store, stages[i].name, stages[i].count);
+  return stored;
+}
+
+olx_result olx_bake_await(const olx_bake_run *b) {
+  stored_stage stages[STORED_STAGES];
+  list_stored(b, stages);
+  for (uint32_t i = 0; i < STORED_STAGES; i++) {
+    const olx_unit_stage stage = {.name = stages[i].name, .count = stages[i].count, .parts = OLX_PARTS_ALL};
+    OLX_TRY(olx_units_await(b->store, &stage));
+  }
+  return OLX_OK;
 }

@@ -116,8 +116,13 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
 static void report_unit(void *user, const olx_unit_done *unit) {
   const olx_bake_work *work = user;
   const olx_bake_unit done = {unit->name.stage, unit->name.round, unit->name.unit, unit->count,
-                              unit->found,      unit->seconds,    unit->why};
+                              unit->found,      unit->seconds,    unit->bytes,     unit->why};
   work->done(work->user, &done);
+}
+
+static bool wait_for_others(void *user, double waited_seconds) {
+  const olx_bake_work *work = user;
+  return work->wait(work->user, waited_seconds);
 }
 
 static olx_result check_work(const olx_bake_settings *s) {
@@ -148,6 +153,7 @@ olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *s
                                            .part = work->part,
                                            .parts = work->parts,
                                            .done = work->done ? report_unit : NULL,
+                                           .wait = work->wait ? wait_for_others : NULL,
                                            .user = (void *)(uintptr_t)work};
   return olx_unit_store_open(&opening, store);
 }

@@ -94,7 +94,9 @@ olx_result olx_volume_space_create(const olx_scene *scene, const olx_vec3 *posit
     return OLX_OK;
   }
   OLX_TRY(result);
-  return flood_from_probes(s, positions, flags, count);
+  const olx_result flooded = flood_from_probes(s, positions, flags, count);
+  if (flooded != OLX_OK) olx_volume_space_free(s);
+  return flooded;
 }
 
 void olx_volume_space_free(olx_volume_space *s) {

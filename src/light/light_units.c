@@ -209,7 +209,7 @@ static olx_result cast_round(olx_scene_light *l) {
   if (result == OLX_OK) result = olx_units_make(store, &stage);
   release_part(&c);
   olx_former_rays_free(&c.former);
-  return result;
+  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(store, &stage) : result;
 }
 
 // ---- Points: most of the data, and rarely read
@@ -323,7 +323,8 @@ static olx_result make_direct(olx_scene_light *l) {
   direct_stage d = {.light = l};
   const olx_unit_stage stage = direct_of(&d);
   if (!l->settings.store) return olx_scene_light_direct(l, 0, l->surfels.count, &l->report.rays);
-  return olx_units_make(l->settings.store, &stage);
+  const olx_result result = olx_units_make(l->settings.store, &stage);
+  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
 }
 
 // ---- The state after a step, except links

@@ -4,6 +4,7 @@
 #include "core/hooks.h"
 #include "core/parallel.h"
 #include "core/result.h"
+#include "work/unit_deal.h"
 
 #include <string.h>
 #include <sys/stat.h>
@@ -91,10 +92,11 @@ void olx_units_forget(olx_unit_store *s, const char *stage, uint32_t first_round
   }
 }
 
-// Reports a unit that was loaded, or computed for the reason `why`.
-static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, const char *why, double start) {
+// Reports a unit of `bytes` that was loaded, or computed for the reason `why`.
+static void report(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, const char *why, double start,
+                   uint64_t bytes) {
   if (!s || !s->settings.done || !stage->make) return;
-  const olx_unit_done done = {name_of(stage, unit), stage->count, *why == '\0', why, olx_seconds() - start};
+  const olx_unit_done done = {name_of(stage, unit), stage->count, *why == '\0', why, olx_seconds() - start, bytes};
   s->settings.done(s->settings.user, &done);
 }
 
@@ -108,12 +110,11 @@ static olx_manifest_value reason_for(const olx_unit_store *s, const olx_unit_nam
   return changed ? olx_manifest_part_names(&s->manifest, changed) : (olx_manifest_value){"another scene"};
 }
 
-// Returns whether a unit belongs to this part. Units are dealt to the parts in turn; each stage begins with another
-// part.
-static bool is_mine(const olx_unit_store *s, const olx_unit_name *name) {
-  uint32_t first = name->round;
-  for (const char *c = name->stage; *c; c++) first = 31 * first + (uint32_t)*c;
-  return (first + name->unit) % s->settings.parts == s->settings.part - 1;
+static olx_unit_deal deal_of(const olx_unit_store *s, const olx_unit_stage *stage) {
+  olx_unit_deal deal =
+      olx_unit_deal_begin(stage->name, stage->round, stage->count, s->settings.part, s->settings.parts);
+  deal.helps = s->settings.wait != NULL;
+  return deal;
 }
 
 static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const void *data, size_t size_bytes) {
@@ -139,7 +140,7 @@ static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   }
   if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
   olx_release(data);
-  if (result == OLX_OK) report(s, stage, unit, "", start);
+  if (result == OLX_OK) report(s, stage, unit, "", start, size_bytes);
   return result;
 }
 
@@ -162,28 +163,32 @@ static olx_result store_bytes(olx_unit_store *s, const olx_unit_name *name, cons
   return olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
 }
 
-static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit) {
+static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, uint64_t *size_bytes) {
   olx_byte_writer bytes = {0};
+  *size_bytes = 0;
   if (s->full) return OLX_OK;
   stage->save(stage->user, unit, &bytes);
   const olx_unit_name name = name_of(stage, unit);
   const olx_result result = store_bytes(s, &name, &bytes);
+  *size_bytes = s->full ? 0 : bytes.size_bytes;
   olx_byte_writer_free(&bytes);
   return result;
 }
 
 olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
-  return s ? store_unit(s, stage, 0) : OLX_OK;
+  uint64_t bytes;
+  return s ? store_unit(s, stage, 0, &bytes) : OLX_OK;
 }
 
 static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool damaged) {
   const double start = olx_seconds();
+  uint64_t bytes;
   if (!s) return stage->make(stage->user, unit);
   const olx_unit_name name = name_of(stage, unit);
   const olx_manifest_value why = damaged ? (olx_manifest_value){"damaged"} : reason_for(s, &name);
   OLX_TRY(stage->make(stage->user, unit));
-  OLX_TRY(store_unit(s, stage, unit));
-  report(s, stage, unit, why.text, start);
+  OLX_TRY(store_unit(s, stage, unit, &bytes));
+  report(s, stage, unit, why.text, start, bytes);
   return OLX_OK;
 }
 
@@ -192,13 +197,23 @@ static olx_result refuse_missing(const olx_unit_store *s, const olx_unit_stage *
                   stage->count, stage->name);
 }
 
+// A stage whose units are looked for in a store.
+typedef struct stage_place {
+  const olx_unit_store *store;
+  const olx_unit_stage *stage;
+} stage_place;
+
+static bool has_unit(const void *user, uint32_t unit) {
+  const stage_place *place = user;
+  const olx_unit_name name = name_of(place->stage, unit);
+  return is_stored(place->store, &name);
+}
+
 static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
-  uint32_t missing = 0;
-  for (uint32_t unit = 0; unit < stage->count; unit++) {
-    const olx_unit_name name = name_of(stage, unit);
-    if (is_stored(s, &name)) continue;
-    if (is_mine(s, &name)) OLX_TRY(make_unit(s, stage, unit, false));
-  }
+  const stage_place place = {s, stage};
+  olx_unit_deal deal = deal_of(s, stage);
+  uint32_t missing = 0, next;
+  while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next, false));
   // Other parts may have stored theirs since.
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     const olx_unit_name name = name_of(stage, unit);
@@ -223,6 +238,27 @@ olx_result olx_units_make(olx_unit_store *s, const olx_unit_stage *stage) {
   return olx_unit_store_is_part(s) ? make_share(s, stage) : make_all(s, stage);
 }
 
+// Waits for a unit of another part. Returns whether it is stored.
+static bool wait_for(const olx_unit_store *s, const olx_unit_name *name) {
+  const double start = olx_seconds();
+  bool stored = is_stored(s, name);
+  while (!stored && s->settings.wait && olx_check_cancelled() == OLX_OK &&
+         s->settings.wait(s->settings.user, olx_seconds() - start)) {
+    stored = is_stored(s, name);
+  }
+  return stored;
+}
+
+olx_result olx_units_await(const olx_unit_store *s, const olx_unit_stage *stage) {
+  for (uint32_t unit = 0; s && unit < stage->count; unit++) {
+    const olx_unit_name name = name_of(stage, unit);
+    if (wait_for(s, &name)) continue;
+    OLX_TRY(olx_check_cancelled());
+    return refuse_missing(s, stage, stage->count - unit);
+  }
+  return OLX_OK;
+}
+
 olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
   uint32_t absent = 0;
   for (uint32_t unit = 0; unit < stage->count; unit++) {
@@ -235,10 +271,19 @@ olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
 
 olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
   const olx_unit_name name = name_of(stage, 0);
-  const bool stored = is_stored(s, &name);
-  bool missing = !stored;
-  if (stored) OLX_TRY(load_unit(s, stage, 0, &missing));
+  bool missing = !is_stored(s, &name), mine = !olx_unit_store_joins(s), damaged = false;
+  if (olx_unit_store_is_part(s)) {
+    const olx_unit_deal deal = deal_of(s, stage);
+    mine = olx_unit_is_dealt(&deal, 0);
+  }
+  if (missing && !mine) {
+    OLX_TRY(olx_units_await(s, stage));
+    missing = false;
+  }
+  if (!missing) {
+    OLX_TRY(load_unit(s, stage, 0, &missing));
+    damaged = missing;
+  }
   if (!missing) return OLX_OK;
-  if (olx_unit_store_joins(s) || (olx_unit_store_is_part(s) && !is_mine(s, &name))) return refuse_missing(s, stage, 1);
-  return make_unit(s, stage, 0, stored);
+  return mine ? make_unit(s, stage, 0, damaged) : refuse_missing(s, stage, 1);
 }

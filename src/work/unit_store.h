@@ -2,7 +2,8 @@
 // result that a work folder can store, so that another run, or another machine, need not compute it again.
 //
 // A whole bake runs all stages: it loads what the folder has, and computes and stores the rest. A part computes its
-// share of each stage whose inputs are complete. Joining loads everything and computes nothing. Without a store every
+// share of each stage whose inputs are complete; one that may wait also helps other parts (unit_deal.h), and waits for
+// what only they can store. Joining loads everything and computes nothing. Without a store every
 // unit is computed.
 #ifndef OLX_WORK_UNIT_STORE_H
 #define OLX_WORK_UNIT_STORE_H
@@ -18,6 +19,7 @@ typedef struct olx_unit_done {
   bool found;      // loaded; otherwise computed
   const char *why; // why it was computed: "new", "damaged", or the parts of the scene that changed; "" when loaded
   double seconds;  // time to compute or load it
+  uint64_t bytes;  // size of its result; 0 where it was not stored
 } olx_unit_done;
 
 typedef struct olx_unit_store_settings {
@@ -28,6 +30,7 @@ typedef struct olx_unit_store_settings {
   uint64_t limit_bytes;         // most bytes that a whole bake stores; a part fails beyond it; 0: no limit
   uint32_t part, parts;         // share to compute, from 1 to `parts`; 0: a whole bake
   void (*done)(void *user, const olx_unit_done *unit); // may be NULL; called on the thread that runs stages
+  bool (*wait)(void *user, double waited_seconds);     // olx_bake_work.wait; NULL: a part never waits
   void *user;
 } olx_unit_store_settings;
 
@@ -71,6 +74,9 @@ void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_r
 // missing, and loads none; it returns OLX_ERROR_INCOMPLETE when units of others are missing. A damaged file is named in
 // a warning and its unit recomputed, but joining returns OLX_ERROR_CHECKSUM. store may be NULL.
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
+// Waits until every unit of a stage is stored. Returns OLX_ERROR_INCOMPLETE when some are missing and the
+// store may not wait for them. store may be NULL.
+olx_result olx_units_await(const olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a complete stage. A part needs it to read the units that olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
 // Stores unit 0 of a stage that was computed as a part of another unit; it is not reported. store may be NULL.

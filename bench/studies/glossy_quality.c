@@ -3,6 +3,7 @@
 // scene and keeps path-traced pictures for the next time, in files that begin with KEPT. Errors are products of two
 // independent halves, so noise adds nothing to them.
 #include "options.h"
+#include "path_reference.h"
 #include "studies.h"
 
 #include <octalux/octalux.h>
@@ -24,19 +25,6 @@ typedef struct totals {
 static bool failed(olx_result result) {
   if (result != OLX_OK) library_failure(NAME);
   return result != OLX_OK;
-}
-
-static bool reference(const olx_scene *scene, const olx_camera *camera, olx_render_settings settings, const char *kept,
-                      olx_image *image) {
-  char path[512];
-  snprintf(path, sizeof path, "%s-%s-%ux%u-%u-%u.exr", kept, camera->name, settings.width, settings.height,
-           settings.bounces, settings.seed);
-  FILE *there = fopen(path, "rb");
-  if (there) {
-    fclose(there);
-    return !failed(olx_image_load(path, image));
-  }
-  return !failed(olx_render(scene, NULL, camera, &settings, NULL, image, NULL)) && !failed(olx_image_save(image, path));
 }
 
 static void add_pixels(totals *t, const olx_image a[HALVES], const olx_image b[HALVES]) {
@@ -102,7 +90,7 @@ int study_glossy_quality(int argc, char **argv) {
     olx_image truth[HALVES] = {0};
     for (uint32_t half = 0; half < HALVES && fine; half++) {
       by_path.seed = half + 1;
-      fine = reference(scene, &camera, by_path, argv[7], &truth[half]);
+      fine = !failed(path_reference(scene, &camera, &by_path, argv[7], &truth[half]));
     }
     for (uint32_t way = 0; way < WAYS && fine; way++) {
       fine = judge(scene, field, &camera, by_field, way, truth, &all[way]);

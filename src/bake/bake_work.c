@@ -24,7 +24,7 @@ static void put_grid(olx_byte_writer *to, const olx_grid *grid) {
 
 // A new setting has to be added to the manifest as well, unless results do not depend on it, like the number of
 // threads, the memory limit and the work folder.
-_Static_assert(sizeof(olx_bake_settings) == 240, "does a new setting change results?");
+_Static_assert(sizeof(olx_bake_settings) == 248, "does a new setting change results?");
 
 static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
   const uint32_t numbers[] = {s->probes ? s->probe_count : 0,

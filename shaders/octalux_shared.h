@@ -297,7 +297,7 @@ typedef struct olx_gpu_uvec4 {
 // Weights below this are multiplied by the square of their ratio to it (after Majercik et al. 2019).
 #define OLX_CRUSH_BELOW 0.2f
 // How far from the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, which
-// is two thirds of the standard deviation of the filter on distances (src/bake/quadrature.h), or a texel of the
+// is two thirds of the standard deviation of the filter on distances (src/bake/irradiance/quadrature.h), or a texel of the
 // moments' own map where that is coarser.
 #define OLX_BIAS_MAP_SIZE 32.0f
 // When the weights of a cage sum to less than this, a more distant probe supplies the rest.
@@ -440,12 +440,12 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint light_samples;
   olx_gpu_uint tile_side, tile_words; // texels along a tile of a map, and words of it with the border that repeats them
   // Parts of the state, as offsets from the end of this struct.
-  olx_gpu_uint lights, tiles;              // lights, and scheduled tiles
-  olx_gpu_uint direct, irradiance, values; // vectors of surfels; until an update ends, values are sums over rays
+  olx_gpu_uint lights, tiles;                // lights, and scheduled tiles
+  olx_gpu_uint direct, irradiance, values;   // vectors of surfels; until an update ends, values are sums over rays
   olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; beam_sums are sums over rays
-  olx_gpu_uint sums;                       // change and light of each workgroup that follows links
-  olx_gpu_uint tile_light;                 // vectors of scheduled tiles: sums over rays
-  olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
+  olx_gpu_uint sums;                         // change and light of each workgroup that follows links
+  olx_gpu_uint tile_light;                   // vectors of scheduled tiles: sums over rays
+  olx_gpu_uint tile_direct, tile_indirect;   // tile_words for each of them
   // Parts of the data for relighting, in which surfels or blocks begin at word 0.
   olx_gpu_uint link_starts, links;
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;

@@ -3,7 +3,7 @@
 #define OLX_TESTS_COOKED_SCENES_H
 
 #include "core/chunk_file.h"
-#include "scene/cooked_format.h"
+#include "scene/cooked/cooked_format.h"
 #include "scene_files.h"
 
 #include <octalux/scene.h>

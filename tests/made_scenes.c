@@ -3,7 +3,7 @@
 
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

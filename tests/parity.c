@@ -2,7 +2,7 @@
 // the results differ.
 #include "parity.h"
 
-#include "bake/voronoi_build.h"
+#include "bake/selectors/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_file.h"

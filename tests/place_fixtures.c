@@ -2,7 +2,7 @@
 #include "place_fixtures.h"
 
 #include "made_scenes.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
 

@@ -2,7 +2,7 @@
 // readers.
 #include "synthetic_field.h"
 
-#include "bake/selectors.h"
+#include "bake/selectors/selectors.h"
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"

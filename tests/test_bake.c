@@ -1,7 +1,7 @@
 // Tests baking against scenes whose light is known, such as spheres and boxes that return the light they receive,
 // mirrors and skies. Tests of the file show that it is whole or untouched whatever happens, and the same for any number
 // of threads.
-#include "bake/quadrature.h"
+#include "bake/irradiance/quadrature.h"
 #include "core/hooks.h"
 #include "core/pack.h"
 #include "core/sampling.h"
@@ -208,7 +208,7 @@ static void glowing_box_follows_the_series(void **state) {
   const float albedo = 0.5f, emission = 2.0f;
   olx_scene *scene = begin_scene();
   made_box(scene, olx_splat(-1.0f), olx_splat(1.0f), false,
-          add_material(scene, olx_splat(albedo), 0.0f, 1.0f, olx_splat(emission)));
+           add_material(scene, olx_splat(albedo), 0.0f, 1.0f, olx_splat(emission)));
   finish_scene(scene);
   enum { PROBES = 2 };
   for (uint32_t bounces = 0; bounces < 4; bounces++) {
@@ -306,7 +306,7 @@ static void distances_are_those_of_the_box(void **state) {
   const folder *f = *state;
   olx_scene *scene = begin_scene();
   made_box(scene, olx_splat(-2.0f), olx_splat(2.0f), false,
-          add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f)));
+           add_material(scene, olx_splat(0.5f), 0.0f, 1.0f, olx_splat(0.0f)));
   finish_scene(scene);
   const olx_vec3 position = olx_v3(0.5f, -0.3f, 0.9f);
   olx_bake_settings settings = small_settings(scene, grid_of(position, olx_splat(0.0f), 1, 1, 1), 0);

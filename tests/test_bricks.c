@@ -1,7 +1,7 @@
 // Tests bricks: how cells of space list the probes that see them, and how these lists are read.
 #include "made_scenes.h"
 
-#include "bake/bricks_build.h"
+#include "bake/selectors/bricks_build.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"

@@ -1,6 +1,6 @@
 // Compares the baseline (docs/maths.md, "The baseline") with the integrals that its maps approximate, and with scenes
 // whose light is known.
-#include "bake/classic_filter.h"
+#include "bake/irradiance/classic_filter.h"
 #include "baked_field.h"
 #include "core/bsdf.h"
 #include "core/hooks.h"

@@ -3,7 +3,7 @@
 #include "cooked_scenes.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
-#include "scene/texel_code.h"
+#include "scene/cooked/texel_code.h"
 #include "tiny_scenes.h"
 
 #include <octalux/bake.h>

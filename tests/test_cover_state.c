@@ -1,7 +1,7 @@
 // Tests the matrix from which the method cover chooses probes: its packed bits agree with its rows.
 #include "made_scenes.h"
-#include "place/cover_state.h"
-#include "place/space_find.h"
+#include "place/cover/cover_state.h"
+#include "place/space/space_find.h"
 #include "place_fixtures.h"
 #include "tiny_scenes.h"
 

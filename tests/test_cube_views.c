@@ -1,6 +1,6 @@
 // Tests what is found in cube maps around probes, without a device: hits are those of cast rays, also at the edges of
 // cubes, of surfaces and of masks, and what cubes do not hold is cast.
-#include "bake/cube_views.h"
+#include "bake/capture/cube_views.h"
 #include "baked_field.h"
 #include "cast_cubes.h"
 #include "made_scenes.h"

@@ -2,8 +2,8 @@
 // runtime shows no negative light.
 #include "synthetic_field.h"
 
-#include "bake/projection.h"
-#include "bake/quadrature.h"
+#include "bake/irradiance/projection.h"
+#include "bake/irradiance/quadrature.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "shade/irradiance.h"

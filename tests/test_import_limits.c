@@ -4,8 +4,8 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "gltf_maker.h"
+#include "scene/images/texture_file.h"
 #include "scene/scene_data.h"
-#include "scene/texture_file.h"
 #include "scene_files.h"
 
 #include <setjmp.h>

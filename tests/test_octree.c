@@ -1,6 +1,6 @@
 // Tests the octree selector (Wang 2018, section 4.2): leaves contain their points and end at surfaces, and each lists
 // the four best of the probes that see it.
-#include "bake/octree_build.h"
+#include "bake/selectors/octree_build.h"
 #include "core/hooks.h"
 #include "made_scenes.h"
 #include "scene/scene_build.h"

@@ -1,12 +1,12 @@
 // Compares shaders/lib/volume_irradiance.glsl with its specification, src/shade/volume_irradiance.c, on a volume with
 // cells of all sizes, walls through them, and points inside, outside and on surfaces.
-#include "bake/volume_cells.h"
+#include "bake/volume/volume_cells.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "gpu_pipeline.h"
 #include "made_scenes.h"
 #include "parity_rows.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "shade/volume_irradiance.h"
 #include "vulkan_host.h"
 

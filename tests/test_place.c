@@ -2,11 +2,11 @@
 // requests that are refused.
 #include "core/sampling.h"
 #include "made_scenes.h"
-#include "place/measure.h"
-#include "place/space_find.h"
-#include "place/surfels.h"
+#include "place/cover/measure.h"
+#include "place/cover/surfels.h"
+#include "place/space/space_find.h"
 #include "place_fixtures.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
 

@@ -2,10 +2,10 @@
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "place/optimize.h"
-#include "place/skeleton.h"
-#include "place/space_find.h"
+#include "place/skeleton/skeleton.h"
+#include "place/space/space_find.h"
 #include "place_fixtures.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
 

@@ -3,8 +3,8 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
-#include "place/space_find.h"
-#include "place/tiles.h"
+#include "place/cover/tiles.h"
+#include "place/space/space_find.h"
 #include "place_fixtures.h"
 #include "tiny_scenes.h"
 

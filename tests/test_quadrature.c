@@ -1,5 +1,5 @@
 // Tests the baker's integrals over directions: irradiance and filtered distances against their closed forms.
-#include "bake/quadrature.h"
+#include "bake/irradiance/quadrature.h"
 #include "core/hooks.h"
 
 #include <setjmp.h>

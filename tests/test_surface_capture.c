@@ -4,7 +4,7 @@
 #include "made_scenes.h"
 
 #include "core/octahedral.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "trace/texel_shade.h"
 
 #include <setjmp.h>

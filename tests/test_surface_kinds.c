@@ -7,7 +7,7 @@
 #include "light/path.h"
 #include "made_scenes.h"
 #include "render/camera.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "scene/bvh.h"
 #include "scene/surface.h"
 #include "tiny_scenes.h"

@@ -5,7 +5,7 @@
 #include "core/sampling.h"
 #include "field/field_chunks.h"
 #include "made_scenes.h"
-#include "scene/builtin_shapes.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "shade/surface_irradiance.h"
 
 #include <octalux/render.h>

@@ -1,7 +1,7 @@
 // Tests the Voronoi selector (Wang 2018, section 4.1): the nearest probe is found, neighbours are those of a Delaunay
 // triangulation where one exists and otherwise all probes, and a map names those closest in angle.
-#include "bake/delaunay.h"
-#include "bake/voronoi_build.h"
+#include "bake/selectors/delaunay.h"
+#include "bake/selectors/voronoi_build.h"
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "made_scenes.h"

@@ -2,7 +2,7 @@
 // whose strings and members are unambiguous, images of another kind, and correct counts where memory ends.
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/json_value.h"
+#include "scene/import/json_value.h"
 #include "scene/name_index.h"
 #include "scene/scene_build.h"
 #include "scene_files.h"

@@ -2,13 +2,13 @@
 // and hands each result to the writer, so that memory never holds the whole field.
 #include <octalux/bake.h>
 
-#include "bake/available.h"
-#include "bake/bake_memory.h"
 #include "bake/bake_run.h"
 #include "bake/bake_settings.h"
 #include "bake/bake_work.h"
 #include "bake/buried.h"
-#include "bake/gather_bounces.h"
+#include "bake/cost/available.h"
+#include "bake/cost/bake_memory.h"
+#include "bake/irradiance/gather_bounces.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/brick_data.h"

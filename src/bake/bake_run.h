@@ -6,13 +6,13 @@
 #define OLX_BAKE_BAKE_RUN_H
 
 #include "bake/bake_context.h"
-#include "bake/capture.h"
-#include "bake/classic_bake.h"
-#include "bake/gather.h"
-#include "bake/relight_bake.h"
-#include "bake/selectors.h"
-#include "bake/surface_capture.h"
-#include "bake/volume_bake.h"
+#include "bake/capture/capture.h"
+#include "bake/capture/surface_capture.h"
+#include "bake/irradiance/classic_bake.h"
+#include "bake/irradiance/gather.h"
+#include "bake/relight/relight_bake.h"
+#include "bake/selectors/selectors.h"
+#include "bake/volume/volume_bake.h"
 #include "work/unit_store.h"
 
 // The scene and the settings as far as joining knows them: both are read from the stored plan.

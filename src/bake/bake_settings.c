@@ -2,7 +2,7 @@
 // scene except for the grid that its description requests.
 #include "bake/bake_settings.h"
 
-#include "bake/selectors.h"
+#include "bake/selectors/selectors.h"
 #include "core/result.h"
 #include "core/vec.h"
 #include "field/brick_data.h"

@@ -1,6 +1,6 @@
 // The stages of a bake: how each computes its results, stores and reloads them, and writes them to the file.
 #include "bake/bake_run.h"
-#include "bake/probe_gathers.h"
+#include "bake/capture/probe_gathers.h"
 
 #include "core/hooks.h"
 #include "core/result.h"

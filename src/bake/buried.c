@@ -1,10 +1,10 @@
-// Marks probes that are inside geometry as buried, by the depth that place/inside.h measures for each of them.
+// Marks probes that are inside geometry as buried, by the depth that place/space/inside.h measures for each of them.
 #include "bake/buried.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
 #include "field/field_data.h"
-#include "place/inside.h"
+#include "place/space/inside.h"
 
 static olx_result judge(const olx_scene *scene, olx_probe_list *probes, int32_t outside, uint32_t threads,
                         uint64_t *rays) {

@@ -50,7 +50,7 @@ uint64_t olx_scene_light_surfels_hash(const olx_scene_light *light);
 // some were damaged: the next run that solves the light recomputes them.
 olx_result olx_scene_light_load_links(olx_scene_light *light);
 
-// The parts of the solution, for relighting, which merges them (bake/relight_bake.h). The solution owns them.
+// The parts of the solution, for relighting, which merges them (bake/relight/relight_bake.h). The solution owns them.
 typedef struct olx_scene_light_parts {
   const olx_light_surfels *surfels;
   const olx_light_links *links;

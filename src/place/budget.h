@@ -2,8 +2,8 @@
 #ifndef OLX_PLACE_BUDGET_H
 #define OLX_PLACE_BUDGET_H
 
-#include "place/candidates.h"
-#include "place/world.h"
+#include "place/cover/candidates.h"
+#include "place/space/world.h"
 
 // Finds the most probes whose field is expected to fit settings->budget_mb, from what is seen from places spread over
 // the space that matters. OLX_ERROR_ARGUMENT where not even one fits.

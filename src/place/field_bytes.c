@@ -14,7 +14,7 @@
 #include "field/surface_encode.h"
 #include "field/texels.h"
 #include "field/volume_data.h"
-#include "place/space_find.h"
+#include "place/space/space_find.h"
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
 #include "scene/emitters.h"

@@ -2,7 +2,7 @@
 #ifndef OLX_PLACE_GRID_H
 #define OLX_PLACE_GRID_H
 
-#include "place/candidates.h"
+#include "place/cover/candidates.h"
 
 // Places the pinned probes, then the grid's in its order, except the *rejected ones that the description's rules
 // forbid. The caller releases *probes with olx_release.

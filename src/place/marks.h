@@ -2,7 +2,7 @@
 #ifndef OLX_PLACE_MARKS_H
 #define OLX_PLACE_MARKS_H
 
-#include "place/skeleton.h"
+#include "place/skeleton/skeleton.h"
 
 // Appends marks for up to a few thousand of the surfels of one of `tiles` that fewer than settings.views probes see
 // well, by views[i].

@@ -3,8 +3,8 @@
 #define OLX_PLACE_OPTIMIZE_H
 
 #include "core/parallel.h"
-#include "place/candidates.h"
-#include "place/surfels.h"
+#include "place/cover/candidates.h"
+#include "place/cover/surfels.h"
 
 enum { OLX_ROUND_UNITS = 100 }; // units of progress per round
 

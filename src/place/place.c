@@ -6,15 +6,15 @@
 #include "core/sampling.h"
 #include "field/field_data.h"
 #include "place/budget.h"
-#include "place/cover.h"
+#include "place/cover/cover.h"
+#include "place/cover/measure.h"
+#include "place/cover/thin.h"
 #include "place/grid.h"
-#include "place/headroom.h"
 #include "place/marks.h"
-#include "place/measure.h"
 #include "place/optimize.h"
-#include "place/skeleton.h"
-#include "place/space_find.h"
-#include "place/thin.h"
+#include "place/skeleton/skeleton.h"
+#include "place/space/headroom.h"
+#include "place/space/space_find.h"
 
 #include <octalux/limits.h>
 #include <octalux/place.h>

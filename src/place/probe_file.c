@@ -3,7 +3,7 @@
 #include "core/file.h"
 #include "core/hooks.h"
 #include "core/result.h"
-#include "scene/json_value.h"
+#include "scene/import/json_value.h"
 
 #include <octalux/place.h>
 

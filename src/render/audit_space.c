@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "light/path.h"
-#include "place/space_find.h"
+#include "place/space/space_find.h"
 #include "shade/volume_irradiance.h"
 
 enum { NORMALS = 6, VOXELS = 160, ATTEMPTS = 64, PATHS_SHARE = 16, SALT_PLACE = 0x53504143 };

@@ -3,7 +3,7 @@
 
 #include "core/file.h"
 #include "core/result.h"
-#include "scene/exr_file.h"
+#include "scene/images/exr_file.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef OLX_SCENE_AFFINE_H
 #define OLX_SCENE_AFFINE_H
 
-#include "scene/import.h"
+#include "scene/import/import.h"
 
 typedef struct olx_affine {
   double m[3][4]; // rows; the last column is the translation

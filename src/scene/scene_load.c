@@ -1,9 +1,9 @@
 // Loads a scene by its name. It is separate from everything else, so that a program which only loads cooked scenes
 // needs no importers.
 #include "core/result.h"
-#include "scene/builtin.h"
-#include "scene/import.h"
-#include "scene/import_limits.h"
+#include "scene/builtin/builtin.h"
+#include "scene/import/import.h"
+#include "scene/import/import_limits.h"
 #include "scene/scene_build.h"
 
 #include <string.h>

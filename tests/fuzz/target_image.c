@@ -4,7 +4,7 @@
 #include "sound_scene.h"
 
 #include "core/hooks.h"
-#include "scene/texture_file.h"
+#include "scene/images/texture_file.h"
 
 #include <octalux/render.h>
 

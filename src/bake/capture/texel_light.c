@@ -1,0 +1,112 @@
+// Reads the solved light of the scene at the surfaces that the texels of a probe see: at four texels of a block that
+// lies on one plane, at every texel elsewhere. Where light has to be gathered, texels of a block that lie on one
+// surface share the result.
+#include "bake/capture/texel_light.h"
+
+#include "bake/capture/texel_blocks.h"
+
+#include <stdlib.h>
+
+enum {
+  NOT_FOUND = OLX_BLOCK_TEXELS,
+  SHARED_SHARE = 64 // texels share gathered light over this part of a map's side, or less
+};
+
+typedef struct texel_light {
+  const olx_capture *capture;
+  const olx_scene_light *light;
+  olx_vec3 *irradiance;
+  olx_gather_row *rows; // one for each row of blocks; NULL: nothing is kept
+} texel_light;
+
+static olx_gather_row *row_of(const texel_light *t, uint32_t block) {
+  return t->rows ? &t->rows[block / (t->capture->size / OLX_BLOCK_SIDE)] : NULL;
+}
+
+static olx_vec3 light_of(const texel_light *t, uint32_t block, const olx_surface *surface) {
+  olx_vec3 irradiance;
+  if (olx_scene_light_interpolate(t->light, surface, &irradiance)) return irradiance;
+  return olx_scene_light_gather(t->light, surface, row_of(t, block));
+}
+
+static void interpolate(const texel_light *t, uint32_t block, const olx_surface *surface) {
+  enum { LAST = OLX_BLOCK_SIDE - 1 };
+  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1};
+  olx_vec3 corner[4];
+  for (uint32_t i = 0; i < 4; i++) corner[i] = light_of(t, block, &surface[texels[i]]);
+  for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+    const float x = (float)(i % OLX_BLOCK_SIDE) / (float)LAST, y = (float)(i / OLX_BLOCK_SIDE) / (float)LAST;
+    const olx_vec3 top = olx_mix3(corner[0], corner[1], x), bottom = olx_mix3(corner[2], corner[3], x);
+    t->irradiance[olx_block_texel(t->capture, block, i)] = olx_mix3(top, bottom, y);
+  }
+}
+
+// Texels of a block whose light was gathered.
+typedef struct gathered_texels {
+  uint32_t count;
+  uint8_t texels[OLX_BLOCK_TEXELS];
+} gathered_texels;
+
+static uint32_t texels_apart(uint32_t a, uint32_t b) {
+  const uint32_t columns = (uint32_t)abs((int)(a % OLX_BLOCK_SIDE) - (int)(b % OLX_BLOCK_SIDE)),
+                 rows = (uint32_t)abs((int)(a / OLX_BLOCK_SIDE) - (int)(b / OLX_BLOCK_SIDE));
+  return columns > rows ? columns : rows;
+}
+
+// Returns the gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie
+// on its surface; NOT_FOUND when there is none.
+static uint32_t find_gathered(const texel_light *t, uint32_t block, const gathered_texels *g,
+                              const olx_block_surfaces *s, uint32_t texel) {
+  const uint32_t shared = t->capture->size / SHARED_SHARE;
+  uint32_t found = NOT_FOUND;
+  float least = INFINITY;
+  for (uint32_t i = 0; i < g->count; i++) {
+    if (texels_apart(g->texels[i], texel) >= shared) continue;
+    if (!olx_block_shares(t->capture, block, s, texel, g->texels[i])) continue;
+    const olx_vec3 way = olx_sub(s->surface[g->texels[i]].position, s->surface[texel].position);
+    const float squared = olx_dot(way, way);
+    if (squared >= least) continue;
+    least = squared;
+    found = g->texels[i];
+  }
+  return found;
+}
+
+static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const olx_block_surfaces *s,
+                        gathered_texels *gathered) {
+  olx_vec3 *irradiance = &t->irradiance[olx_block_texel(t->capture, block, i)];
+  if (olx_scene_light_interpolate(t->light, &s->surface[i], irradiance)) return;
+  const uint32_t found = find_gathered(t, block, gathered, s, i);
+  if (found != NOT_FOUND) {
+    *irradiance = t->irradiance[olx_block_texel(t->capture, block, found)];
+    return;
+  }
+  *irradiance = olx_scene_light_gather(t->light, &s->surface[i], row_of(t, block));
+  gathered->texels[gathered->count++] = (uint8_t)i;
+}
+
+static void light_block(const texel_light *t, uint32_t block) {
+  olx_block_surfaces s;
+  olx_block_look(t->capture, block, &s);
+  if (olx_block_is_flat(t->capture, block, &s)) {
+    interpolate(t, block, s.surface);
+    return;
+  }
+  gathered_texels gathered = {0};
+  for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+    if (s.seen >> i & 1u) light_texel(t, block, i, &s, &gathered);
+    else t->irradiance[olx_block_texel(t->capture, block, i)] = olx_splat(0.0f);
+  }
+}
+
+static void light_row(void *user, uint32_t row) {
+  const texel_light *t = user;
+  const uint32_t blocks = t->capture->size / OLX_BLOCK_SIDE;
+  for (uint32_t x = 0; x < blocks; x++) light_block(t, row * blocks + x);
+}
+
+olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_gather_row *rows,
+                           olx_vec3 *irradiance) {
+  texel_light t = {.capture = capture, .light = light, .irradiance = irradiance, .rows = rows};
+  return olx_bake_for(capture->context, capture->size / OLX_BLOCK_SIDE, light_row, &t, 0);
+}

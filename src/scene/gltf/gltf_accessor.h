@@ -1,0 +1,42 @@
+// Accessors: arrays of numbers in the views of a glTF file, packed, interleaved, normalized or sparse.
+#ifndef OLX_SCENE_GLTF_ACCESSOR_H
+#define OLX_SCENE_GLTF_ACCESSOR_H
+
+#include "scene/gltf/gltf_document.h"
+
+typedef enum olx_gltf_component {
+  OLX_GLTF_INT8 = 5120,
+  OLX_GLTF_UINT8 = 5121,
+  OLX_GLTF_INT16 = 5122,
+  OLX_GLTF_UINT16 = 5123,
+  OLX_GLTF_UINT32 = 5125,
+  OLX_GLTF_FLOAT = 5126
+} olx_gltf_component;
+
+// Sparse elements, which replace some of an accessor's own.
+typedef struct olx_gltf_sparse {
+  uint64_t count; // 0: none
+  uint32_t index_view, value_view;
+  uint64_t index_offset, value_offset;
+  olx_gltf_component index_type;
+} olx_gltf_sparse;
+
+struct olx_gltf_accessor {
+  uint32_t view; // OLX_GLTF_NONE: all elements are 0 unless replaced
+  olx_gltf_component type;
+  uint32_t components; // components of an element
+  bool normalized;     // integers represent 0 to 1, or -1 to 1
+  uint64_t offset, stride, count;
+  olx_gltf_sparse sparse;
+};
+
+// Reads and checks all accessors: their types, and that they lie within their views.
+olx_result olx_gltf_open_accessors(olx_gltf *gltf);
+
+// Reads the first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer,
+// the others are unchanged. The caller provides room for all.
+olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers);
+// Reads an accessor of unsigned integers.
+olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices);
+
+#endif

@@ -1,0 +1,158 @@
+// Imports a glTF model into a scene: everything is checked and counted before memory is allocated for it.
+#include "core/hooks.h"
+#include "core/result.h"
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_buffer.h"
+#include "scene/gltf/gltf_light.h"
+#include "scene/gltf/gltf_mesh.h"
+#include "scene/gltf/gltf_node.h"
+#include "scene/import/import_limits.h"
+
+#include <stdio.h>
+
+typedef struct gltf_import {
+  olx_gltf *gltf;
+  olx_gltf_roots roots;
+  olx_gltf_surface *surfaces; // one per material, and one for primitives without a material
+  bool *seen;                 // one per mesh of the file's scene
+  olx_gltf_mesh_notes notes;
+  uint32_t skinned;
+} gltf_import;
+
+// Returns the mesh of a node; OLX_GLTF_NONE without one.
+static uint32_t mesh_of(const olx_gltf *gltf, uint32_t node) {
+  uint32_t mesh;
+  olx_gltf_index(gltf->nodes.elements[node], "mesh", gltf->meshes.count, &mesh);
+  return mesh;
+}
+
+// ---- Limits
+
+static olx_result check_triangles(const olx_gltf *gltf, const char *list, uint32_t element, uint64_t triangles) {
+  char name[32];
+  snprintf(name, sizeof name, "%s[%u]", list, element);
+  return olx_import_check_limit(gltf->scene, OLX_LIMIT_TRIANGLES, triangles, gltf->path, name);
+}
+
+// Counts the triangles of all instances: a mesh is imported once for every node that refers to it.
+static olx_result check_instances(const olx_gltf *gltf, uint64_t *triangles) {
+  uint64_t all = gltf->scene->triangle_count;
+  for (uint32_t i = 0; i < gltf->meshes.count; ++i) {
+    triangles[i] = olx_gltf_mesh_triangles(gltf, i);
+    all += triangles[i];
+    OLX_TRY(check_triangles(gltf, "meshes", i, all));
+  }
+  all = gltf->scene->triangle_count;
+  for (uint32_t i = 0; i < gltf->nodes.count; ++i) {
+    if (mesh_of(gltf, i) == OLX_GLTF_NONE) continue;
+    all += triangles[mesh_of(gltf, i)];
+    OLX_TRY(check_triangles(gltf, "nodes", i, all));
+  }
+  return OLX_OK;
+}
+
+static uint64_t count_primitives(const olx_gltf *gltf) {
+  uint64_t count = 0;
+  for (uint32_t i = 0; i < gltf->meshes.count; ++i) {
+    count += (uint64_t)cJSON_GetArraySize(olx_json_member(gltf->meshes.elements[i], "primitives"));
+  }
+  return count;
+}
+
+static olx_result check_amounts(const olx_gltf *gltf) {
+  const uint64_t materials = (uint64_t)gltf->scene->material_count + gltf->materials.count;
+  const uint64_t nodes = gltf->nodes.count;
+  OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_MATERIALS, materials, gltf->path, "materials"));
+  OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_NODES, nodes, gltf->path, "nodes"));
+  OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_NODES, nodes + count_primitives(gltf), gltf->path,
+                                 "nodes and primitives"));
+  uint64_t *triangles = olx_allocate(gltf->meshes.count, sizeof *triangles);
+  if (!triangles) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
+  const olx_result result = check_instances(gltf, triangles);
+  olx_release(triangles);
+  return result;
+}
+
+// ---- The file's scene
+
+// Marks the materials that the meshes of the scene's nodes use.
+static olx_result mark_used(void *user, uint32_t node, const olx_affine *transform) {
+  gltf_import *import = user;
+  const olx_gltf *gltf = import->gltf;
+  const uint32_t mesh = mesh_of(gltf, node);
+  const cJSON *primitive = NULL;
+  (void)transform;
+  if (mesh == OLX_GLTF_NONE || import->seen[mesh]) return OLX_OK;
+  import->seen[mesh] = true;
+  cJSON_ArrayForEach(primitive, olx_json_member(gltf->meshes.elements[mesh], "primitives")) {
+    uint32_t material;
+    olx_gltf_index(primitive, "material", gltf->materials.count, &material);
+    import->surfaces[material == OLX_GLTF_NONE ? gltf->materials.count : material].used = true;
+  }
+  return OLX_OK;
+}
+
+static olx_result add_node(void *user, uint32_t node, const olx_affine *transform) {
+  gltf_import *import = user;
+  const uint32_t mesh = mesh_of(import->gltf, node);
+  if (mesh != OLX_GLTF_NONE) {
+    import->skinned += olx_json_member(import->gltf->nodes.elements[node], "skin") != NULL;
+    OLX_TRY(olx_gltf_add_mesh(import->gltf, mesh, import->surfaces, transform, &import->notes));
+  }
+  OLX_TRY(olx_gltf_add_camera(import->gltf, node, transform));
+  olx_gltf_add_light(import->gltf, node, transform);
+  return OLX_OK;
+}
+
+static void warn_about_import(const gltf_import *import) {
+  const olx_gltf *gltf = import->gltf;
+  olx_warn_about_model(gltf->path, &import->notes.model, gltf->scene);
+  if (import->skinned) {
+    olx_scene_warn(gltf->scene, "%s: %u skinned meshes stand in their bind pose", gltf->path, import->skinned);
+  }
+  if (import->notes.morphed) {
+    olx_scene_warn(gltf->scene, "%s: the morph targets of %u meshes are ignored", gltf->path, import->notes.morphed);
+  }
+  if (import->notes.lost_attributes) {
+    olx_scene_warn(gltf->scene, "%s: %u attributes are ignored: they have more or fewer elements than their positions",
+                   gltf->path, import->notes.lost_attributes);
+  }
+}
+
+static olx_result add_scene(gltf_import *import, const olx_affine *placement) {
+  olx_gltf *gltf = import->gltf;
+  import->surfaces = olx_allocate_zero((size_t)gltf->materials.count + 1, sizeof *import->surfaces);
+  import->seen = olx_allocate_zero(gltf->meshes.count, sizeof *import->seen);
+  if (!import->surfaces || !import->seen) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
+  OLX_TRY(olx_gltf_walk(gltf, &import->roots, placement, mark_used, import));
+  OLX_TRY(olx_gltf_import_materials(gltf, import->surfaces));
+  OLX_TRY(olx_gltf_walk(gltf, &import->roots, placement, add_node, import));
+  warn_about_import(import);
+  return OLX_OK;
+}
+
+static olx_result read_file(gltf_import *import, const char *path, const olx_affine *placement, olx_scene *scene) {
+  olx_gltf *gltf = import->gltf;
+  OLX_TRY(olx_gltf_open(path, scene, gltf));
+  OLX_TRY(olx_gltf_open_buffers(gltf));
+  OLX_TRY(olx_gltf_check_images(gltf));
+  OLX_TRY(olx_gltf_open_accessors(gltf));
+  OLX_TRY(olx_gltf_check_meshes(gltf));
+  OLX_TRY(olx_gltf_find_roots(gltf, &import->roots));
+  OLX_TRY(check_amounts(gltf));
+  return add_scene(import, placement);
+}
+
+olx_result olx_import_gltf(const char *path, const olx_affine *placement, olx_scene *scene) {
+  olx_gltf gltf = {0};
+  gltf_import import = {.gltf = &gltf};
+  const olx_result result = read_file(&import, path, placement, scene);
+  olx_release(import.roots.nodes);
+  olx_release(import.surfaces);
+  olx_release(import.seen);
+  olx_gltf_release_images(&gltf);
+  olx_release(gltf.accessor_data);
+  olx_gltf_release_buffers(&gltf);
+  olx_gltf_close(&gltf);
+  return result;
+}

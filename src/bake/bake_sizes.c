@@ -60,7 +60,11 @@ static olx_result expected_of(const olx_bake_run *b, const olx_field_header *hea
                                  .positions = s->probes,
                                  .grid = &s->grid,
                                  .count = b->context.probes.light_field.count,
-                                 .size = s->radiance_size};
+                                 .size = s->radiance_size,
+                                 .samples = s->samples,
+                                 .light_samples = s->light_samples,
+                                 .seed = s->seed,
+                                 .bounces = s->bounces};
   const uint32_t most_cells = olx_volume_is_baked(s) ? s->volume_cells : 0;
   olx_texel_bytes texels;
   OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));

@@ -329,6 +329,29 @@ static void what_does_not_fit_is_refused_at_once(void **state) {
   olx_scene_free(scene);
 }
 
+// A field whose least size fits the disk, while what it takes with its tiles does not, is refused before the bake.
+static void what_the_expected_file_takes_is_checked(void **state) {
+  const scene_folder *folder = *state;
+  char path[512];
+  olx_bake_sizes one, many;
+  snprintf(path, sizeof path, "%s/a.olx", folder->path);
+  olx_scene *scene = load("builtin:cornell");
+  olx_bake_settings settings = olx_bake_settings_default(scene);
+  assert_int_equal(olx_scene_probe_grid(scene, (const uint32_t[3]){1, 1, 1}, &settings.grid), OLX_OK);
+  assert_int_equal(olx_bake_measure(scene, &settings, path, &one), OLX_OK);
+  const double least = (double)one.file_bytes, along = cbrt((double)one.available_disk_bytes / (1.1 * least));
+  if (along >= 20.0) {
+    const uint32_t side = (uint32_t)along;
+    assert_int_equal(olx_scene_probe_grid(scene, (const uint32_t[3]){side, side, side}, &settings.grid), OLX_OK);
+    assert_int_equal(olx_bake_measure(scene, &settings, path, &many), OLX_ERROR_FILE);
+    assert_true(many.file_bytes < many.available_disk_bytes);
+    assert_int_equal(olx_bake(scene, &settings, path, NULL, NULL), OLX_ERROR_FILE);
+    assert_non_null(strstr(olx_last_error(), " are free there"));
+    assert_int_not_equal(access(path, F_OK), 0);
+  }
+  olx_scene_free(scene);
+}
+
 // The estimate grows in proportion to the number of probes, since it multiplies measured times: two estimates differ
 // from this proportion by noise alone.
 static void an_estimate_is_a_time(void **state) {
@@ -365,6 +388,7 @@ int main(void) {
       cmocka_unit_test(a_budget_that_holds_no_maps_is_refused_with_one_that_does),
       IN_FOLDER(blocks_have_their_size),
       IN_FOLDER(what_does_not_fit_is_refused_at_once),
+      IN_FOLDER(what_the_expected_file_takes_is_checked),
       cmocka_unit_test(an_estimate_is_a_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

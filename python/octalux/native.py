@@ -207,7 +207,7 @@ class ProbeSet(Struct):
 
 class BakeUnit(Struct):
     _fields_ = [("stage", c_char_p), ("round", c_uint32), ("unit", c_uint32), ("count", c_uint32), ("found", c_bool),
-                ("seconds", c_double), ("bytes", c_uint64)]
+                ("seconds", c_double), ("bytes", c_uint64), ("why", c_char_p)]
 
 
 class BakeWork(Struct):

@@ -35,6 +35,21 @@ olx_result olx_output_commit(olx_output_file *file);
 // Closes the output and removes the temporary file; has no effect after a commit.
 void olx_output_discard(olx_output_file *file);
 
+// Bytes whose place in an output is known only at its end: a temporary file in the output's folder, which takes no memory.
+// Must be zero-initialised.
+typedef struct olx_spool {
+  olx_temporary file;
+  uint64_t size_bytes;
+} olx_spool;
+
+// Appends bytes. The output must be open, and not a stream.
+olx_result olx_spool_append(olx_spool *spool, const olx_output_file *output, const void *data, size_t size_bytes);
+// Reads bytes that were appended.
+olx_result olx_spool_read(const olx_spool *spool, const olx_output_file *output, uint64_t offset, void *data,
+                          size_t size_bytes);
+// Removes the file; has no effect when nothing was appended.
+void olx_spool_discard(olx_spool *spool);
+
 // A read-only mapping of a whole file. For an empty file, `data` is a non-NULL address that must not be read. Must be
 // zero-initialised.
 typedef struct olx_mapped_file {

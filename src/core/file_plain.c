@@ -37,6 +37,19 @@ olx_result olx_output_commit(olx_output_file *file) { return olx_output_write(fi
 
 void olx_output_discard(olx_output_file *file) { *file = (olx_output_file){.descriptor = -1}; }
 
+olx_result olx_spool_append(olx_spool *spool, const olx_output_file *output, const void *data, size_t size_bytes) {
+  (void)spool, (void)data, (void)size_bytes;
+  return refuse(output->path ? output->path : "output");
+}
+
+olx_result olx_spool_read(const olx_spool *spool, const olx_output_file *output, uint64_t offset, void *data,
+                          size_t size_bytes) {
+  (void)spool, (void)offset, (void)data, (void)size_bytes;
+  return refuse(output->path ? output->path : "output");
+}
+
+void olx_spool_discard(olx_spool *spool) { *spool = (olx_spool){0}; }
+
 olx_result olx_output_check(const char *path, bool in_order) {
   (void)in_order;
   return refuse(path);

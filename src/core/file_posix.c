@@ -182,6 +182,46 @@ olx_result olx_output_write_at(olx_output_file *file, uint64_t offset, const voi
   return write_all(file, true, offset, data, size_bytes);
 }
 
+static olx_result refuse_spool(const olx_output_file *output, const char *what, int error) {
+  return olx_fail(OLX_ERROR_FILE, "%s: cannot %s a temporary file: %s", output->path, what, strerror(error));
+}
+
+olx_result olx_spool_append(olx_spool *spool, const olx_output_file *output, const void *data, size_t size_bytes) {
+  const char *bytes = data;
+  if (!spool->file.open) {
+    const int error = olx_temporary_create_at(output->temporary.folder, 0600, &spool->file);
+    if (error) return refuse_spool(output, "create", error);
+  }
+  while (size_bytes > 0) {
+    const ssize_t written = pwrite(spool->file.descriptor, bytes, size_bytes, (off_t)spool->size_bytes);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return refuse_spool(output, "write", errno);
+    bytes += written;
+    spool->size_bytes += (uint64_t)written;
+    size_bytes -= (size_t)written;
+  }
+  return OLX_OK;
+}
+
+olx_result olx_spool_read(const olx_spool *spool, const olx_output_file *output, uint64_t offset, void *data,
+                          size_t size_bytes) {
+  char *bytes = data;
+  while (size_bytes > 0) {
+    const ssize_t got = pread(spool->file.descriptor, bytes, size_bytes, (off_t)offset);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return refuse_spool(output, "read", got < 0 ? errno : EIO);
+    bytes += got;
+    offset += (uint64_t)got;
+    size_bytes -= (size_t)got;
+  }
+  return OLX_OK;
+}
+
+void olx_spool_discard(olx_spool *spool) {
+  olx_temporary_discard(&spool->file);
+  *spool = (olx_spool){0};
+}
+
 olx_result olx_output_reserve(olx_output_file *file, uint64_t size_bytes) {
   if (file->stream) return OLX_OK;
   while (fallocate(file->descriptor, 0, 0, (off_t)size_bytes) != 0) {

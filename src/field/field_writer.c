@@ -14,9 +14,11 @@
 
 // Data whose size and offset are known only at the end.
 typedef struct growing_chunk {
-  void *data;
-  uint32_t count, most; // of elements
+  olx_spool data;
+  uint32_t count; // of elements
 } growing_chunk;
+
+enum { COPY_BYTES = 1 << 16 }; // of such data, copied at a time
 
 struct olx_field_writer {
   olx_output_file file;
@@ -114,8 +116,8 @@ static void destroy(olx_field_writer *writer) {
   olx_release(writer->block_least);
   olx_release(writer->block_greatest);
   olx_release(writer->blocks);
-  olx_release(writer->planes.data);
-  for (uint32_t i = 0; i < OLX_SURFACE_MAPS; i++) olx_release(writer->pools[i].data);
+  olx_spool_discard(&writer->planes.data);
+  for (uint32_t i = 0; i < OLX_SURFACE_MAPS; i++) olx_spool_discard(&writer->pools[i].data);
   olx_release(writer->probe_flags);
   olx_release(writer->irradiance_flags);
   olx_release(writer->probe_positions);
@@ -272,16 +274,7 @@ static olx_result append(olx_field_writer *writer, growing_chunk *chunk, const v
                          size_t size) {
   const uint64_t count = (uint64_t)chunk->count + added;
   if (count >= OLX_NO_PLANE) return olx_fail(OLX_ERROR_ARGUMENT, "%s: too many planes", writer->file.path);
-  if (count > chunk->most) {
-    const uint64_t most = count + count / 2;
-    void *grown = olx_allocate(most, size);
-    if (!grown) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for planes and blocks", writer->file.path);
-    if (chunk->count) memcpy(grown, chunk->data, chunk->count * size);
-    olx_release(chunk->data);
-    chunk->data = grown;
-    chunk->most = most < OLX_NO_PLANE ? (uint32_t)most : OLX_NO_PLANE;
-  }
-  if (added) memcpy((char *)chunk->data + chunk->count * size, data, added * size);
+  if (added) OLX_TRY(olx_spool_append(&chunk->data, &writer->file, data, added * size));
   chunk->count = (uint32_t)count;
   return OLX_OK;
 }
@@ -516,6 +509,20 @@ olx_result olx_field_writer_relight(olx_field_writer *writer, const void *data, 
   return result;
 }
 
+// Copies data to its place, which is known by now.
+static olx_result put_grown(olx_field_writer *writer, olx_chunk_kind kind, const growing_chunk *chunk) {
+  char bytes[COPY_BYTES];
+  for (uint64_t done = 0; done < chunk->data.size_bytes;) {
+    const uint64_t left = chunk->data.size_bytes - done;
+    const size_t count = left < COPY_BYTES ? (size_t)left : COPY_BYTES;
+    OLX_TRY(olx_spool_read(&chunk->data, &writer->file, done, bytes, count));
+    XXH3_64bits_update(&writer->hashes[kind], bytes, count);
+    OLX_TRY(olx_output_write_at(&writer->file, writer->layout.offsets[kind] + done, bytes, count));
+    done += count;
+  }
+  return OLX_OK;
+}
+
 // Writes the description, the padding after each chunk, the chunk table and the header.
 static olx_result write_frame(olx_field_writer *writer) {
   const olx_file_info info = olx_field_info_store(&writer->info);
@@ -527,9 +534,9 @@ static olx_result write_frame(olx_field_writer *writer) {
     OLX_TRY(put_whole(writer, OLX_CHUNK_IRRADIANCE_FLAGS, writer->irradiance_flags));
   }
   end_probes(writer);
-  if (writer->info.maps.geometry_blocks) OLX_TRY(put_whole(writer, OLX_CHUNK_PLANES, writer->planes.data));
+  if (writer->info.maps.geometry_blocks) OLX_TRY(put_grown(writer, OLX_CHUNK_PLANES, &writer->planes));
   for (uint32_t map = 0; map < OLX_SURFACE_MAPS && writer->info.maps.compressed; map++) {
-    OLX_TRY(put_whole(writer, OLX_CHUNK_BASE_POOL + map, writer->pools[map].data));
+    OLX_TRY(put_grown(writer, OLX_CHUNK_BASE_POOL + map, &writer->pools[map]));
   }
   struct {
     olx_file_header header;

@@ -5,7 +5,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/field_data.h"
-#include "place/budget.h"
+#include "place/cost/budget.h"
 #include "place/cover/cover.h"
 #include "place/cover/measure.h"
 #include "place/cover/thin.h"

@@ -8,6 +8,7 @@
 #include "core/result.h"
 #include "scene/bvh.h"
 #include "scene/environment.h"
+#include "scene/texel_samples.h"
 
 enum { PACKET = 64 };
 
@@ -81,19 +82,13 @@ olx_result olx_capture_probe(olx_capture *c, uint32_t probe, olx_vec3 position) 
   return olx_bake_for(c->context, c->size, capture_row, c, 0);
 }
 
-// Offset of samples from texel centres: from a probe placed symmetrically in a room, rays through the centres would hit
-// edges of walls exactly, where it is undetermined which wall they hit.
-static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
-
 static uint32_t make_samples(const olx_capture *c, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS]) {
   const uint32_t side = c->context->settings->samples;
-  const float step = 1.0f / (float)(c->size * side);
   uint32_t count = 0;
   for (uint32_t i = 0; i < OLX_CAPTURE_CHUNK; i++) {
     for (uint32_t k = 0; k < side * side; k++) {
-      const olx_vec2 uv = {((float)((x + i) * side + k % side) + sample_offset.x) * step,
-                           ((float)(y * side + k / side) + sample_offset.y) * step};
-      rays[count++] = (olx_ray){c->position, olx_octahedral_decode(uv), 0.0f, INFINITY};
+      const olx_vec3 direction = olx_texel_sample_direction(x + i, y, c->size, side, k);
+      rays[count++] = (olx_ray){c->position, direction, 0.0f, INFINITY};
     }
   }
   return count;

@@ -10,15 +10,11 @@
 #include "field/lights.h"
 #include "field/texels.h"
 #include "light/path.h"
+#include "scene/texel_samples.h"
 
 #include <string.h>
 
-enum {
-  SALT_DIRECT = 0x44495245,
-  SALT_PATHS = 0x50415448,
-  SALT_LOBE = 0x4C4F4245,
-  LIGHT_SIDE = 4, // texels along the side of a block whose samples of lights are stratified together
-};
+enum { SALT_PATHS = 0x50415448, SALT_LOBE = 0x4C4F4245 };
 
 // A texel, and what rays through the parts of it met.
 typedef struct texel_samples {
@@ -44,39 +40,16 @@ static uint32_t texel_index(const olx_surface_capture *c, const texel_samples *t
   return t->y * c->capture->size + t->x;
 }
 
-static float footprint(const olx_surface_capture *c, float distance) {
-  return distance * OLX_TEXEL_ANGLE / (float)c->capture->size;
-}
-
-// Returns whether a sample lies on the surface at the texel's middle: it has the same material and side, and there is
-// no step in between.
-static bool on_surface(const olx_surface *middle, const olx_surface *sample, float tolerance) {
-  if (sample->material != middle->material || sample->back_face != middle->back_face) return false;
-  if (sample->triangle == middle->triangle) return true;
-  if (olx_dot(sample->geometric_normal, middle->geometric_normal) < 0.9f) return false;
-  const olx_vec3 step = olx_sub(sample->position, middle->position);
-  return fabsf(olx_dot(step, middle->geometric_normal)) <= tolerance;
-}
-
-// Returns the surface without its normal map, as light that ignores normal maps sees it.
-static olx_surface smooth(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface) {
-  olx_surface s = *surface;
-  s.shading_normal = olx_surface_vertex_normal(scene, hit, surface);
-  return s;
-}
-
-// Returns the direct irradiance at sample `k` of a texel. Neighbouring texels divide the samples of lights among
-// themselves.
+// Returns the direct irradiance at sample `k` of a texel.
 static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *t, uint32_t k,
                              const olx_surface *surface, uint64_t *rays) {
   const olx_capture *capture = c->capture;
-  const uint32_t place = t->y % LIGHT_SIDE * LIGHT_SIDE + t->x % LIGHT_SIDE, lights = settings_of(c)->light_samples,
-                 block = t->y / LIGHT_SIDE * capture->size + t->x / LIGHT_SIDE;
-  const uint32_t seed = olx_hash3(capture->probe, block, SALT_DIRECT) ^ settings_of(c)->seed;
-  const uint32_t first = (place * settings_of(c)->samples * settings_of(c)->samples + k) * lights;
+  const uint32_t lights = settings_of(c)->light_samples;
+  const olx_sampler first = olx_texel_light_sampler(capture->probe, settings_of(c)->seed, t->x, t->y, capture->size,
+                                                    settings_of(c)->samples, k, lights);
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < lights; i++) {
-    olx_sampler sampler = {.seed = seed, .index = first + i};
+    olx_sampler sampler = {.seed = first.seed, .index = first.index + i};
     sum = olx_add(sum, olx_direct_irradiance(scene_of(c), surface, &sampler, rays));
   }
   return olx_scale(sum, 1.0f / (float)lights);
@@ -84,7 +57,7 @@ static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *
 
 static void add_sample(const olx_surface_capture *c, const texel_samples *t, uint32_t k, const olx_ray_hit *hit,
                        const olx_surface *surface, surface_sums *sums, uint64_t *rays) {
-  const olx_surface s = smooth(scene_of(c), hit, surface);
+  const olx_surface s = olx_texel_smooth_surface(scene_of(c), hit, surface);
   sums->base_color = olx_add(sums->base_color, s.base_color);
   sums->roughness += s.roughness;
   sums->metallic += s.metallic;
@@ -168,15 +141,15 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
     return;
   }
   const olx_surface middle = olx_surface_at(scene, hit, direction);
-  const float tolerance = 0.25f * footprint(c, hit->t) + middle.epsilon;
+  const float tolerance = olx_texel_tolerance(&middle, hit->t, capture->size);
   surface_sums sums = {0};
   for (uint32_t k = 0; k < per_texel; k++) {
     if (t->hits[k].triangle == OLX_NO_HIT) continue;
     const olx_surface sample = olx_surface_near(scene, &t->hits[k], t->rays[k].direction, &middle);
-    if (on_surface(&middle, &sample, tolerance)) add_sample(c, t, k, &t->hits[k], &sample, &sums, rays);
+    if (olx_texel_is_on_surface(&middle, &sample, tolerance)) add_sample(c, t, k, &t->hits[k], &sample, &sums, rays);
   }
   if (sums.count == 0.0f) add_sample(c, t, 0, hit, &middle, &sums, rays);
-  const olx_surface lit = smooth(scene, hit, &middle);
+  const olx_surface lit = olx_texel_smooth_surface(scene, hit, &middle);
   const olx_vec3 indirect = indirect_light(c, t, &lit, rays);
   store_surface(c, at, &middle, &sums, indirect);
   store_radiance(c, at, &middle, direction, &sums, indirect);

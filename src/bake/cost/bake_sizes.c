@@ -5,12 +5,14 @@
 #include "bake/cost/available.h"
 #include "core/parallel.h"
 #include "core/result.h"
-#include "place/field_bytes.h"
+#include "place/cost/field_bytes.h"
 
 #include <octalux/limits.h>
 
 #include <math.h>
 #include <stdio.h>
+
+enum { VOLUME_MOST_BYTES = 8 << 20, BRICKS_MOST_BYTES = 4 << 20 };
 
 static uint64_t grid_count(const olx_grid *grid) { return (uint64_t)grid->count[0] * grid->count[1] * grid->count[2]; }
 
@@ -51,23 +53,31 @@ static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
   return layout->file_bytes + texels * sizeof(uint32_t) + surfaces + 2 * links_of(b->context.settings);
 }
 
-// Computes the expected size of the file of a bake that is described and has not begun, and of that what blocks of
-// surfaces take.
-static olx_result expected_of(const olx_bake_run *b, const olx_field_header *header, uint64_t *bytes,
-                              uint64_t *surfaces) {
+// The expected bytes of a bake's file, and of parts of it.
+typedef struct expected_bytes {
+  uint64_t file, surfaces; // surfaces: blocks of tiles
+  uint64_t spooled;        // what the writer keeps in temporary files until the end
+} expected_bytes;
+
+static olx_result expected_of(const olx_bake_run *b, const olx_field_header *header, expected_bytes *bytes) {
   const olx_bake_settings *s = b->context.settings;
   const olx_planned_maps maps = {.scene = b->context.scene,
                                  .positions = s->probes,
                                  .grid = &s->grid,
                                  .count = b->context.probes.light_field.count,
-                                 .size = s->radiance_size};
+                                 .size = s->radiance_size,
+                                 .samples = s->samples,
+                                 .light_samples = s->light_samples,
+                                 .seed = s->seed,
+                                 .bounces = s->bounces};
   const uint32_t most_cells = olx_volume_is_baked(s) ? s->volume_cells : 0;
   olx_texel_bytes texels;
   OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
-  *bytes =
+  const double all = (double)maps.count * maps.size * maps.size;
+  bytes->file =
       olx_expected_bytes(header, olx_expected_volume_bytes(b->context.scene, s->radiance_size, most_cells), &texels);
-  const uint64_t all = (uint64_t)maps.count * maps.size * maps.size;
-  *surfaces = s->uncompressed ? 0 : (uint64_t)(texels.surfaces * (double)all);
+  bytes->surfaces = s->uncompressed ? 0 : (uint64_t)(texels.surfaces * all);
+  bytes->spooled = s->uncompressed ? 0 : (uint64_t)((texels.surfaces + texels.planes) * all);
   return OLX_OK;
 }
 
@@ -85,17 +95,22 @@ static probes_text name_probes(const olx_bake_sizes *sizes) {
   return name;
 }
 
+// Refuses a bake whose file takes more than the disk has.
+static olx_result check_disk(const olx_bake_sizes *sizes, uint64_t bytes, const char *path) {
+  const double gibibyte = 0x1p30;
+  const probes_text probes = name_probes(sizes);
+  if (bytes <= sizes->available_disk_bytes) return OLX_OK;
+  return olx_fail(OLX_ERROR_FILE,
+                  "%s: %s make a file of %.2f GiB (%llu bytes), and %.2f GiB are free there: fewer probes, or smaller "
+                  "maps (radiance_size, irradiance_size)",
+                  path, probes.text, (double)bytes / gibibyte, (unsigned long long)bytes,
+                  (double)sizes->available_disk_bytes / gibibyte);
+}
+
 static olx_result check_available(const olx_bake_sizes *sizes, const char *path) {
   const double gibibyte = 0x1p30;
   const probes_text probes = name_probes(sizes);
-  if (sizes->file_bytes > sizes->available_disk_bytes) {
-    return olx_fail(
-        OLX_ERROR_FILE,
-        "%s: %s make a file of %.2f GiB (%llu bytes), and %.2f GiB are free there: fewer probes, or smaller "
-        "maps (radiance_size, irradiance_size)",
-        path, probes.text, (double)sizes->file_bytes / gibibyte, (unsigned long long)sizes->file_bytes,
-        (double)sizes->available_disk_bytes / gibibyte);
-  }
+  OLX_TRY(check_disk(sizes, sizes->file_bytes, path));
   if (sizes->memory_bytes <= sizes->available_memory_bytes) return OLX_OK;
   return olx_fail(OLX_ERROR_MEMORY,
                   "%s: baking %s takes %.2f GiB of memory (%llu bytes), and %.2f GiB are available: fewer of them, or "
@@ -142,12 +157,23 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
   olx_field_header header;
   *sizes = (olx_bake_sizes){0};
   OLX_TRY(describe(scene, settings, path, &b, &header));
-  uint64_t expected, surfaces;
-  OLX_TRY(expected_of(&b, &header, &expected, &surfaces));
+  expected_bytes expected;
+  OLX_TRY(expected_of(&b, &header, &expected));
   *sizes = sizes_of(&b, &header, path);
-  sizes->expected_bytes = expected;
-  if (sizes->device_bytes) sizes->device_bytes += surfaces;
-  return check_available(sizes, path);
+  sizes->expected_bytes = expected.file;
+  if (sizes->device_bytes) sizes->device_bytes += expected.surfaces;
+  OLX_TRY(check_available(sizes, path));
+  return check_disk(sizes, expected.file + expected.spooled, path);
+}
+
+// Returns whether a disk has room for whatever the scene may add to the file's least size, with what the writer keeps
+// in temporary files.
+static bool has_room(const olx_bake_run *b, const olx_bake_sizes *sizes) {
+  const uint64_t size = b->context.settings->radiance_size, texels = sizes->probes * size * size,
+                 a_texel = sizeof(uint32_t) + 2 * sizeof(olx_plane_code);
+  const uint64_t beside = VOLUME_MOST_BYTES + BRICKS_MOST_BYTES;
+  return sizes->file_bytes + a_texel * texels + 2 * olx_surface_most_bytes(texels) + beside <=
+         sizes->available_disk_bytes;
 }
 
 olx_result olx_bake_check_machine(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
@@ -155,7 +181,11 @@ olx_result olx_bake_check_machine(const olx_scene *scene, const olx_bake_setting
   olx_field_header header;
   OLX_TRY(describe(scene, settings, path, &b, &header));
   const olx_bake_sizes sizes = sizes_of(&b, &header, path);
-  return check_available(&sizes, path);
+  OLX_TRY(check_available(&sizes, path));
+  if (has_room(&b, &sizes)) return OLX_OK;
+  expected_bytes expected;
+  OLX_TRY(expected_of(&b, &header, &expected));
+  return check_disk(&sizes, expected.file + expected.spooled, path);
 }
 
 // The expected size with maps of another size, or the least size where that is beyond the budget already.
@@ -170,8 +200,11 @@ static olx_result size_with_maps(const olx_scene *scene, const olx_bake_settings
   olx_field_lay_out(&header, &layout);
   *bytes = layout.file_bytes;
   const bool smallest = radiance_size == OLX_RADIANCE_SIZE_LEAST;
-  uint64_t surfaces;
-  return (double)*bytes > budget && !smallest ? OLX_OK : expected_of(&b, &header, bytes, &surfaces);
+  if ((double)*bytes > budget && !smallest) return OLX_OK;
+  expected_bytes expected;
+  OLX_TRY(expected_of(&b, &header, &expected));
+  *bytes = expected.file;
+  return OLX_OK;
 }
 
 static olx_result refuse_budget(const olx_bake_settings *settings, double budget_mb, uint64_t bytes) {

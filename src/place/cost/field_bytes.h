@@ -3,15 +3,7 @@
 #define OLX_PLACE_FIELD_BYTES_H
 
 #include "field/field_writer.h"
-#include "scene/scene_data.h"
-
-// The light field maps of a field that is not baked yet.
-typedef struct olx_planned_maps {
-  const olx_scene *scene;
-  const olx_vec3 *positions; // of the probes; NULL where they are those of `grid`
-  const olx_grid *grid;
-  uint32_t count, size; // number of probes, and texels along a side of a map
-} olx_planned_maps;
+#include "place/cost/planned_maps.h"
 
 // Bytes in proportion to texels that depend on what probes see: planes of fine surfaces, tiles of emission, and blocks
 // of tiles of surfaces.

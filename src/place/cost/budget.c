@@ -1,19 +1,32 @@
 // Converts a budget of bytes to a number of probes: before there are any by places in the space that matters, and then
 // by the probes themselves.
-#include "place/budget.h"
+#include "place/cost/budget.h"
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "place/field_bytes.h"
+#include "place/cost/field_bytes.h"
 
 #include <octalux/limits.h>
 
 #include <math.h>
 
 enum {
-  PLACES = 64,      // in space, from which texels are sampled before there are probes
-  VOLUME_CELLS = 32 // the default of bakes
+  PLACES = 64,       // in space, from which texels are sampled before there are probes
+  VOLUME_CELLS = 32, // these are the defaults of bakes
+  SAMPLES = 2,
+  BOUNCES = 32
 };
+
+// Maps as bakes make them by default.
+static olx_planned_maps planned(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t size) {
+  return (olx_planned_maps){.scene = scene,
+                            .positions = positions,
+                            .count = count,
+                            .size = size,
+                            .samples = SAMPLES,
+                            .light_samples = 1,
+                            .bounces = BOUNCES};
+}
 
 // Expected size of a field of `count` probes, as bakes store it by default.
 static uint64_t field_bytes(const olx_scene *scene, uint32_t count, uint32_t resolution,
@@ -40,8 +53,7 @@ olx_result olx_budget_count(const olx_world *world, const olx_place_settings *s,
   const olx_scene *scene = world->scene;
   olx_vec3 places[PLACES];
   olx_texel_bytes texels = {0};
-  const olx_planned_maps maps = {
-      .scene = scene, .positions = places, .count = olx_world_spread(world, PLACES, places), .size = s->resolution};
+  const olx_planned_maps maps = planned(scene, places, olx_world_spread(world, PLACES, places), s->resolution);
   if (maps.count) OLX_TRY(olx_texel_bytes_sample(&maps, s->threads, &texels));
   *count = affordable(scene, s, &texels);
   if (*count) return OLX_OK;
@@ -56,8 +68,7 @@ static olx_result sample_probes(const olx_scene *scene, const olx_candidate *pro
   olx_vec3 *positions = olx_allocate(set->count, sizeof *positions);
   if (!positions) return olx_fail(OLX_ERROR_MEMORY, "place: out of memory");
   for (uint32_t i = 0; i < set->count; i++) positions[i] = probes[i].place;
-  const olx_planned_maps maps = {
-      .scene = scene, .positions = positions, .count = set->count, .size = set->settings.resolution};
+  const olx_planned_maps maps = planned(scene, positions, set->count, set->settings.resolution);
   const olx_result result = olx_texel_bytes_sample(&maps, set->settings.threads, texels);
   olx_release(positions);
   return result;

@@ -296,7 +296,8 @@ void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, siz
   const cast_job c = {.surfels = surfels};
   const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
   olx_link *link = &batch->links[i];
-  way w = {.chain = olx_link_chain(link),
+  way w = {.lobe = {.pdf = 1.0f}, // which lobe passed the ray on is not stored: it is taken for none of a mirror
+           .chain = olx_link_chain(link),
            .sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray}};
   ray_end end = {.link = no_link};
   if (pass_diffuse(&c, &w, surface, olx_rgb9e5_unpack(link->weight), &end, rays)) follow(&c, &w, &end, rays);

@@ -261,6 +261,76 @@ static void rays_learn_where_a_mirror_shows_a_lamp(void **state) {
   olx_scene_free(scene);
 }
 
+static const float plate_side = 0.1f, lamp_gap = 0.01f, lamp_height = 0.7f;
+
+// Makes a room of side 2 with a lamp without area, one centimetre below a plate of albedo 0.5, and a smooth metal.
+static olx_scene *fixture_room(float wall_albedo) {
+  olx_scene *scene = made_scene();
+  olx_material wall = olx_material_default(), plate = wall, metal = wall;
+  wall.base_color = olx_splat(wall_albedo);
+  plate.base_color = olx_splat(0.5f);
+  metal.base_color = olx_splat(wall_albedo);
+  metal.metallic = metal.specular_weight = 1.0f;
+  metal.roughness = 0.1f;
+  made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &wall));
+  made_quad(scene, olx_v3(0.0f, lamp_height + lamp_gap, 0.0f), olx_v3(plate_side, 0.0f, 0.0f),
+            olx_v3(0.0f, 0.0f, plate_side), made_material(scene, &plate));
+  made_quad(scene, olx_v3(-0.99f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f), olx_v3(0.0f, 0.0f, 1.0f),
+            made_material(scene, &metal));
+  const olx_light lamp = {
+      .type = OLX_LIGHT_POINT, .position = olx_v3(0.0f, lamp_height, 0.0f), .emission = olx_splat(1.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  return made_finish(scene);
+}
+
+static olx_scene_light *solve_fixture(const olx_scene *scene, float noise) {
+  const olx_vec3 probe = {0.3f, 0.1f, 0.2f};
+  const uint8_t flag = 0;
+  olx_scene_light_settings settings = small_settings();
+  settings.map_size = 64;
+  settings.noise = noise;
+  olx_scene_light *light;
+  assert_int_equal(olx_scene_light_create(scene, &settings, &probe, &flag, 1, &light), OLX_OK);
+  return light;
+}
+
+// The plate reflects half of the light that it catches, to a black room like a small lamp of that power.
+static void the_light_of_a_fixture_is_all_there(void **state) {
+  (void)state;
+  olx_scene *scene = fixture_room(0.0f);
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  const float half = 0.5f * plate_side, height = 1.0f + lamp_height + lamp_gap;
+  const float caught = 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
+  double found = 0.0, wanted = 0.0;
+  for (uint32_t i = 0; i < 16; i++) {
+    const olx_vec2 uv = olx_hammersley(i, 16);
+    const olx_vec3 from = {uv.x - 0.5f, 0.0f, uv.y - 0.5f};
+    const olx_ray ray = {from, olx_v3(0.0f, -1.0f, 0.0f), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface floor = olx_surface_at(scene, &hit, ray.direction);
+    const float squared = from.x * from.x + from.z * from.z + height * height;
+    found += (double)olx_luminance(olx_scene_light_irradiance(light, &floor));
+    wanted += (double)(0.5f * caught / OLX_PI * height * height / (squared * squared));
+  }
+  print_message("light of the fixture: %.4f of what it reflects\n", found / wanted);
+  assert_true(fabs(found / wanted - 1.0) < 0.03);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
+// Rays that meet the plate beside the lamp, or the lamp's image in the metal, would bring thousands of times the mean.
+static void a_lamp_in_its_fixture_costs_few_rays(void **state) {
+  (void)state;
+  olx_scene *scene = fixture_room(0.5f);
+  olx_scene_light *light = solve_fixture(scene, 0.04f);
+  const olx_scene_light_report report = olx_scene_light_describe(light);
+  print_message("noise %.4f with %.2f million rays\n", report.noise, (double)report.rays * 1e-6);
+  assert_true(report.noise <= 0.04);
+  assert_true(report.rays < 300000);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -269,6 +339,8 @@ int main(void) {
       cmocka_unit_test(noise_stays_below_its_bound_and_costs_rays),
       cmocka_unit_test(the_bound_is_met_beside_surfaces_that_no_probe_sees),
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
+      cmocka_unit_test(the_light_of_a_fixture_is_all_there),
+      cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

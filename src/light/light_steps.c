@@ -192,7 +192,7 @@ static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel,
   const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
   const olx_surface surface = olx_surface_point_surface(s->scene, point);
   olx_sampler sampler = {.seed = seed, .index = k};
-  return olx_direct_irradiance(s->scene, &surface, &sampler, rays);
+  return olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, &sampler, rays);
 }
 
 // Returns the mean over points that are spread over the area of the cell, because most of its points lie near probes.

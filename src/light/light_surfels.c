@@ -66,6 +66,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
                            .seed = seed,
                            .spacing = spacing,
                            .threads = threads};
+  OLX_TRY(olx_near_lamps_create(&s->lamps, scene));
   return olx_cell_table_create(&s->table, 1024);
 }
 
@@ -73,6 +74,7 @@ void olx_light_surfels_free(olx_light_surfels *s) {
   olx_release(s->points);
   olx_release(s->surfels);
   olx_cell_table_free(&s->table);
+  olx_near_lamps_free(&s->lamps);
   *s = (olx_light_surfels){0};
 }
 

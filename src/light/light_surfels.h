@@ -5,6 +5,7 @@
 #define OLX_LIGHT_LIGHT_SURFELS_H
 
 #include "core/parallel.h"
+#include "light/near_lamps.h"
 #include "light/surface_cells.h"
 #include "scene/surface.h"
 
@@ -47,6 +48,7 @@ typedef struct olx_light_surfels {
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED
   uint64_t rays;        // rays cast to explore distances
+  olx_near_lamps lamps; // surfaces near lamps
 } olx_light_surfels;
 
 #define OLX_CELL_DIVIDED 0x80000000u

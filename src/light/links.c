@@ -10,7 +10,13 @@
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
 
-enum { SURFELS_PER_JOB = 8, SALT_RAY = 0x52415953, SALT_CHAIN = 0x48414E43, SALT_UNSERVED = 0x554E5356 };
+enum {
+  SURFELS_PER_JOB = 8,
+  SALT_RAY = 0x52415953,
+  SALT_CHAIN = 0x48414E43,
+  SALT_UNSERVED = 0x554E5356,
+  SALT_LAMPS = 0x4C4D5053
+};
 
 // What one ray brings.
 typedef struct ray_end {
@@ -89,6 +95,10 @@ typedef struct way {
   olx_sampler sampler;
 } way;
 
+// Rays of surfels see lights without area in smooth surfaces as in lobes of this alpha (roughness 0.32). A smoother lobe
+// shows a light to one ray in thousands, which then brings thousands of times the mean.
+static const float LEAST_ALPHA = 0.1f;
+
 static const uint64_t lights_needed = UINT64_C(1) << OLX_INPUT_LIGHTS;
 
 // Adds light after `surfaces` surfaces between its emitter and the start of the path.
@@ -104,6 +114,26 @@ static void cast_on(const cast_job *c, way *w, const olx_surface *surface, uint6
   w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
 }
 
+// Adds the light that surfaces near lamps send to the start of a ray, times `factor`.
+static void add_near_lamps(const cast_job *c, const olx_surface *surface, float factor, olx_sampler *sampler,
+                           ray_end *end) {
+  const olx_near_lamps *lamps = &c->surfels->lamps;
+  if (lamps->count == 0) return;
+  end->needs |= lights_needed | lamps->needs;
+  const olx_vec3 irradiance = olx_near_lamps_irradiance(lamps, c->surfels->scene, surface, sampler, &end->cast);
+  add_light(end, 1, olx_scale(irradiance, factor / OLX_PI));
+}
+
+// Returns the radii of lamps whose direct light the end of a ray leaves out, because points near the lamps stand for it.
+// A mirror reflects no light of points, but the rays that it reflects find their surfaces.
+static const float *dark_of(const cast_job *c, const way *w) {
+  return w->chain > 0 && !w->lit && w->lobe.pdf <= 0.0f ? NULL : c->surfels->lamps.radius;
+}
+
+static olx_vec3 direct_irradiance(const cast_job *c, way *w, const olx_surface *surface, uint64_t *rays) {
+  return olx_direct_irradiance_but(c->surfels->scene, surface, dark_of(c, w), &w->sampler, rays);
+}
+
 // Adds the emission that the specular lobe, chosen with probability `share`, reflects, and continues the path; returns
 // false when the ray brings nothing.
 static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading, float share, ray_end *end,
@@ -113,6 +143,11 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
   end->needs |= lights_needed;
   const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
+  if (c->surfels->lamps.count > 0 && w->chain + 1 < OLX_CHAIN_MOST) {
+    const olx_lobes near = olx_near_lamps_light(&c->surfels->lamps, scene, shading, &w->sampler, rays);
+    end->needs |= c->surfels->lamps.needs;
+    add_light(end, w->chain + 2, olx_mul(w->throughput, near.specular));
+  }
   w->lobe = olx_lobe_ray_specular(shading, olx_sampler_next2(&w->sampler));
   w->lit = false;
   w->throughput = olx_mul(w->throughput, w->lobe.weight);
@@ -126,10 +161,15 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
 static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                          uint64_t *rays) {
   end->needs |= lights_needed;
-  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
+  const olx_vec3 irradiance = direct_irradiance(c, w, surface, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   end->link = no_link;
   if (w->chain + 1 == OLX_CHAIN_MOST) return false;
+  if (c->surfels->lamps.count > 0) {
+    const olx_vec3 near = olx_near_lamps_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
+    end->needs |= c->surfels->lamps.needs;
+    add_light(end, w->chain + 2, olx_scale(olx_mul(weight, near), 1.0f / OLX_PI));
+  }
   w->lobe.direction = olx_from_basis(olx_sample_cosine(olx_sampler_next2(&w->sampler)), surface->shading_normal);
   w->lit = true;
   w->throughput = weight;
@@ -147,7 +187,7 @@ static bool end_way(const cast_job *c, way *w, const olx_surface *surface, olx_v
   if (is_unserved(end)) return c->lists;
   if (!(end->link.end & OLX_LINK_LIT) || !olx_link_brings_light(&end->link)) return true;
   end->needs |= lights_needed;
-  const olx_vec3 irradiance = olx_direct_irradiance(c->surfels->scene, surface, &w->sampler, rays);
+  const olx_vec3 irradiance = direct_irradiance(c, w, surface, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   return true;
 }
@@ -167,7 +207,9 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
     if (!w->lit) {
       add_light(end, w->chain, olx_mul(w->throughput, olx_emission_found(scene, &surface, w->origin, &w->lobe)));
     }
-    const olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
+    olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
+    shading.dark = dark_of(c, w);
+    shading.least_alpha = LEAST_ALPHA;
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&w->sampler) >= share)) {
       const olx_vec3 weight = olx_scale(olx_mul(w->throughput, shading.diffuse), 1.0f / (1.0f - share));
@@ -219,7 +261,7 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
   olx_ray_hit hits[OLX_LINK_PACKET];
   bool valid[OLX_LINK_PACKET];
   float factors[OLX_LINK_PACKET];
-  const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN);
+  const uint32_t chain_seed = olx_hash2(plan->seed, SALT_CHAIN), lamp_seed = olx_hash2(plan->seed, SALT_LAMPS);
   uint32_t known = 0;
   for (uint32_t i = 0; i < count; i++) known += ends[i].known;
   if (known == count) return;
@@ -231,6 +273,8 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
   for (uint32_t i = 0; i < count; i++) {
     if (ends[i].known) continue;
     ends[i] = (ray_end){.link = no_link, .cast = 1};
+    olx_sampler lamps = {.seed = lamp_seed, .index = first + i};
+    add_near_lamps(c, surface, plan->factor, &lamps, &ends[i]);
     if (!valid[i]) continue;
     way w = {.lobe = {.direction = rays[i].direction},
              .origin = rays[i].origin,
@@ -252,7 +296,8 @@ void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, siz
   const cast_job c = {.surfels = surfels};
   const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
   olx_link *link = &batch->links[i];
-  way w = {.chain = olx_link_chain(link),
+  way w = {.lobe = {.pdf = 1.0f}, // which lobe passed the ray on is not stored: it is taken for none of a mirror
+           .chain = olx_link_chain(link),
            .sampler = {.seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED), .index = ray}};
   ray_end end = {.link = no_link};
   if (pass_diffuse(&c, &w, surface, olx_rgb9e5_unpack(link->weight), &end, rays)) follow(&c, &w, &end, rays);

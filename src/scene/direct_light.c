@@ -60,13 +60,14 @@ static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_lig
     const float weight = weighted && mis == OLX_MIS_EACH_LOBE ? power_heuristic(sample->pdf, cosine) : both;
     lobes.diffuse = olx_scale(olx_mul(s->diffuse, sample->emission), cosine * weight);
   }
-  const olx_bsdf *bsdf = &s->surface->bsdf;
-  if (s->has_specular && bsdf->alpha > 0.0f) {
+  olx_bsdf bsdf = s->surface->bsdf;
+  if (s->has_specular && bsdf.alpha > 0.0f) {
     float weight = both;
     if (weighted && mis == OLX_MIS_EACH_LOBE) {
-      weight = power_heuristic(sample->pdf, olx_ggx_pdf(bsdf->alpha, s->view, light));
+      weight = power_heuristic(sample->pdf, olx_ggx_pdf(bsdf.alpha, s->view, light));
     }
-    lobes.specular = olx_scale(olx_mul(olx_bsdf_specular(bsdf, s->view, light), sample->emission), weight);
+    if (sample->delta) bsdf.alpha = olx_max(bsdf.alpha, s->least_alpha);
+    lobes.specular = olx_scale(olx_mul(olx_bsdf_specular(&bsdf, s->view, light), sample->emission), weight);
   }
   return lobes;
 }
@@ -75,6 +76,20 @@ static bool visible(const olx_scene *scene, const olx_surface *surface, const ol
   const olx_ray ray = sample->infinite ? olx_surface_ray(surface, sample->direction, INFINITY)
                                        : olx_surface_ray_to(surface, sample->target, sample->epsilon_end);
   return !olx_bvh_occluded(scene->bvh, &ray);
+}
+
+static bool is_dark(const olx_shading *s, const olx_light_sample *sample) {
+  if (!s->dark || !sample->delta || sample->infinite) return false;
+  const olx_vec3 way = olx_sub(sample->target, s->surface->position);
+  return olx_dot(way, way) < olx_square(s->dark[sample->light]);
+}
+
+olx_lobes olx_direct_light_of(const olx_scene *scene, const olx_shading *shading, const olx_light_sample *sample,
+                              uint64_t *rays) {
+  const olx_lobes lobes = reflect_sample(shading, OLX_MIS_DELTA_ONLY, sample);
+  if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) return lobes;
+  ++*rays;
+  return visible(scene, shading->surface, sample) ? lobes : (olx_lobes){0};
 }
 
 olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *shading, olx_mis mis,
@@ -90,7 +105,7 @@ olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *sh
     }
     olx_light_sample sample;
     if (!olx_emitters_sample(scene, group, shading->surface->position, random, pick, &sample)) continue;
-    if (mis == OLX_MIS_DELTA_ONLY && !sample.delta) continue;
+    if (is_dark(shading, &sample) || (mis == OLX_MIS_DELTA_ONLY && !sample.delta)) continue;
     const olx_lobes lobes = reflect_sample(shading, mis, &sample);
     if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) continue;
     ++*rays;
@@ -193,8 +208,14 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
 
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
                                uint64_t *rays) {
+  return olx_direct_irradiance_but(scene, surface, NULL, sampler, rays);
+}
+
+olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
+                                   olx_sampler *sampler, uint64_t *rays) {
   olx_surface white = *surface;
   white.bsdf = (olx_bsdf){.albedo = olx_splat(1.0f)};
-  const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
+  olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
+  shading.dark = dark;
   return olx_scale(olx_direct_light(scene, &shading, sampler, rays).diffuse, OLX_PI);
 }

@@ -16,6 +16,8 @@ typedef struct olx_shading {
   olx_vec3 diffuse; // reflectance of the diffuse lobe for this view: outgoing radiance is this times irradiance / pi
   bool has_diffuse, has_specular;
   float specular_share; // probability that a path which follows one lobe takes the specular one
+  const float *dark;    // metres: a light of the scene does not light the surface within its radius; NULL: all do
+  float least_alpha;    // the specular lobe reflects delta samples with at least this alpha, unless it is a mirror
 } olx_shading;
 
 // Prepares a surface for shading. `direction` is the unit direction of the ray that found the surface.
@@ -36,6 +38,10 @@ typedef enum olx_mis {
 // Draws one light of every group and casts a shadow ray to it.
 olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *shading, olx_mis mis,
                                    olx_sampler *sampler, uint64_t *rays);
+
+// Returns the light of one delta sample, with a shadow ray.
+olx_lobes olx_direct_light_of(const olx_scene *scene, const olx_shading *shading, const olx_light_sample *sample,
+                              uint64_t *rays);
 
 // A ray drawn from the surface's lobes.
 typedef struct olx_lobe_ray {
@@ -62,7 +68,11 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
 // Returns the direct irradiance in W/m^2 from emitters and the sky, about surface->shading_normal, independent of the
-// material and the view: one light sample per group, and one ray.
+// material and the view: one light sample per group, and one ray. Lights leave surfaces within their radius of `dark`
+// (one per light of the scene, metres; may be NULL) unlit.
+olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
+                                   olx_sampler *sampler, uint64_t *rays);
+// The same with all lights.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
                                uint64_t *rays);
 

@@ -184,7 +184,7 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
 static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 position, float probability,
                          olx_light_sample *sample) {
   const olx_light *light = &scene->lights[index];
-  *sample = (olx_light_sample){.delta = true, .pdf = 1.0f};
+  *sample = (olx_light_sample){.delta = true, .light = index, .pdf = 1.0f};
   float strength = 1.0f;
   if (light->type == OLX_LIGHT_SUN) {
     sample->direction = olx_negate(light->direction);

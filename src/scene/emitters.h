@@ -17,6 +17,7 @@ typedef struct olx_light_sample {
   float epsilon_end;  // distance from the target at which the shadow ray must stop
   bool infinite;      // target is only a direction: the shadow ray has no end
   bool delta;         // cannot be hit by random rays: no multiple importance sampling
+  uint32_t light;     // number of a light without area in the scene; of delta samples
   olx_vec3 emission;  // radiance (delta: irradiance at normal incidence, W/m^2) divided by pdf; without visibility
   float pdf;          // over solid angle at the surface; 1 for delta
 } olx_light_sample;
@@ -31,8 +32,8 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
 
 // Samples a light of a group for a surface point. Returns false when it cannot contribute (behind the surface, or
 // dark).
-bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random,
-                         float random_pick, olx_light_sample *sample);
+bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random, float random_pick,
+                         olx_light_sample *sample);
 
 // Returns the density over solid angle with which olx_emitters_sample samples the point of the emitting `surface` that
 // is seen from `position` along `direction`.

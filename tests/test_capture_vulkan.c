@@ -75,7 +75,7 @@ static double compare_cubes(const olx_scene *scene, const olx_vec3 positions[PRO
   }
   // Triangles seen from their edge are moved farther by the rounding of corners.
   if (wrong > PROBES * TEXELS / 10000) fail_msg("%u of %u texels hold what no ray hits", wrong, PROBES * TEXELS);
-  // The same probe alone gives the same texels.
+  // A probe that is drawn alone has the texels that it has among others.
   assert_null(drawer->look(drawer->user, positions + 1, 1, SIDE, cast));
   assert_memory_equal(cast, drawn + TEXELS, TEXELS * sizeof *drawn);
   free(drawn);

@@ -98,7 +98,7 @@
 #define ROW_olx_plane_clears 85
 #define ROW_olx_block_clears 86
 #define ROW_olx_reaches_plane 87
-#define ROW_olx_visit_texel 88
+#define ROW_olx_reaches_texel 88
 #define ROW_olx_next_cell 89
 #define ROW_olx_crossings_ahead 90
 #define ROW_olx_march_texels 91
@@ -229,7 +229,7 @@
 #define ROW_olx_packing_error 204
 #define ROW_olx_texel_agrees 205
 #define ROW_olx_passes 206
-#define ROW_olx_passes_all 207
+#define ROW_olx_texel_step 207
 #define ROW_olx_read_texels 208
 #define ROW_olx_blend_add 209
 #define ROW_olx_mix 210

@@ -61,12 +61,8 @@ void surface_rows() {
   case ROW_olx_see_texel: put(olx_see_texel(v, first)); break;
   case ROW_olx_packing_error: put(olx_packing_error(olx_see_texel(v, texel))); break;
   case ROW_olx_texel_agrees: put(olx_texel_agrees(v, olx_see_texel(v, first))); break;
-  case ROW_olx_passes: put(olx_passes(olx_see_texel(v, texel), olx_see_texel(v, first))); break;
-  case ROW_olx_passes_all:
-    put(olx_passes_all(olx_see_texel(v, texel), olx_see_texel(v, first), olx_see_texel(v, first + ivec2(1, 0)),
-                       olx_see_texel(v, first + ivec2(0, 1)), olx_see_texel(v, first + 1),
-                       notEqual(bits & 64u, uvec4(0u))));
-    break;
+  case ROW_olx_texel_step: put(olx_texel_step(v, first, 1.0 + random.x)); break;
+  case ROW_olx_passes: put(olx_passes(olx_see_texel(v, texel).step, olx_see_texel(v, first))); break;
   case ROW_olx_read_texels: {
     olx_texel_light light = olx_read_texels(settings, probe, place, geometric);
     put(light.sum), put(light.share);

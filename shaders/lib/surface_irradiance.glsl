@@ -100,6 +100,14 @@ olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 posi
   return olx_probe_view(olx_map_origin(probe), offset, normal, angle, OLX_SURFACE_MISS + settings.surface_tolerance);
 }
 
+// Returns the way to the point from the place `distance` metres along the ray through the middle of a texel, which may be
+// of the border.
+vec3 olx_texel_step(olx_probe_view v, ivec2 texel, float distance) {
+  vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
+  precise vec3 way = v.offset - centre * distance;
+  return way;
+}
+
 // Reads a texel, which may be of the border.
 olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   olx_seen_texel t;
@@ -110,8 +118,7 @@ olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
   t.normal = seen.normal;
   t.facing = -olx_dot(t.normal, centre);
-  precise vec3 beyond = v.offset - centre * t.distance;
-  t.step = beyond;
+  t.step = olx_texel_step(v, texel, t.distance);
   t.away = sqrt(olx_dot(t.step, t.step));
   return t;
 }
@@ -136,66 +143,42 @@ float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
   return t.seen && near && t.facing > OLX_LEAST_FACING && agreement > OLX_LEAST_AGREEMENT ? fits * alike : 0.0;
 }
 
-// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
-float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
+// Returns how much light of a texel, whose surface is `way` from the point, reaches the point past a neighbouring texel
+// that sees `other`, a different surface.
+float olx_passes(vec3 way, olx_seen_texel other) {
   float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
-  bool before = !(height < -allowed) || height - olx_dot(other.normal, texel.step) <= allowed;
+  bool before = !(height < -allowed) || height - olx_dot(other.normal, way) <= allowed;
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// Returns how much light of `texel` reaches the point past those of four texels a to d that see other surfaces, as
-// marked in `others`.
-float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
-                     bvec4 others) {
-  float share = others.x ? olx_passes(texel, a) : 1.0;
-  if (others.y) share *= olx_passes(texel, b);
-  if (others.z) share *= olx_passes(texel, c);
-  if (others.w) share *= olx_passes(texel, d);
-  return share;
-}
-
+// These are loops over the four texels, of which only distances and weights are kept, so that few registers are live.
+// Those few texels that see other surfaces are therefore decoded a second time.
 olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
   olx_probe_view v = olx_view_from(settings, probe, position, normal);
   olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
   uint stride = olx_field.n + 2u;
-  int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
-#ifdef GL_ES
-  // These are loops, because a browser that draws without a GPU takes ten times as long to compile the text written out
-  // for each texel.
-  olx_seen_texel around_point[4];
-  vec4 weight = around.weight;
-  bvec4 others = bvec4(false);
+  vec4 weight = around.weight, distance = vec4(0.0);
+  uint others = 0u; // a bit for each texel that sees another surface
   for (int i = 0; i < 4; i++) {
-    around_point[i] = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
-    float agrees = olx_texel_agrees(v, around_point[i]);
+    olx_seen_texel t = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
+    float agrees = olx_texel_agrees(v, t);
     weight[i] *= agrees;
-    others[i] = around_point[i].seen && !(agrees > 0.0);
+    distance[i] = t.distance;
+    if (t.seen && !(agrees > 0.0)) others |= 1u << i;
   }
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < 4; i++) {
-    if (weight[i] > 0.0) {
-      for (int k = 0; k < 4; k++) weight[i] *= others[k] ? olx_passes(around_point[i], around_point[k]) : 1.0;
-      sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(i & 1, i >> 1), n)) * weight[i];
+  for (int k = 0; k < 4 && others >> k != 0u; k++) {
+    if ((others >> k & 1u) == 0u) continue;
+    olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
+    for (int i = 0; i < 4; i++) {
+      if (weight[i] > 0.0) weight[i] *= olx_passes(olx_texel_step(v, at + ivec2(i & 1, i >> 1), distance[i]), other);
     }
   }
-#else
-  olx_seen_texel a = olx_see_texel(v, at), b = olx_see_texel(v, at + ivec2(1, 0)),
-                 c = olx_see_texel(v, at + ivec2(0, 1)), d = olx_see_texel(v, at + ivec2(1, 1));
-  vec4 agrees = vec4(olx_texel_agrees(v, a), olx_texel_agrees(v, b), olx_texel_agrees(v, c), olx_texel_agrees(v, d));
-  vec4 weight = around.weight * agrees;
-  bvec4 others = bvec4(a.seen && !(agrees.x > 0.0), b.seen && !(agrees.y > 0.0), c.seen && !(agrees.z > 0.0),
-                       d.seen && !(agrees.w > 0.0));
-  if (any(others)) {
-    weight *= vec4(olx_passes_all(a, a, b, c, d, others), olx_passes_all(b, a, b, c, d, others),
-                   olx_passes_all(c, a, b, c, d, others), olx_passes_all(d, a, b, c, d, others));
-  }
   vec3 sum = vec3(0.0);
-  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at, n)) * weight.x;
-  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 0), n)) * weight.y;
-  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(0, 1), n)) * weight.z;
-  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 1), n)) * weight.w;
-#endif
+  for (int i = 0; i < 4; i++) {
+    ivec2 texel = olx_border_source(at + ivec2(i & 1, i >> 1), int(olx_field.n));
+    if (weight[i] > 0.0) sum += olx_texel_indirect(v.map, texel) * weight[i];
+  }
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 

@@ -132,11 +132,12 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
   return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
-// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
-// It is 0 when texel and point lie on opposite sides of that surface, like floors on both sides of a wall.
-static float passes(const seen_texel *texel, const seen_texel *other) {
+// Returns how much light of a texel, whose surface is `step` from the point, reaches the point past a neighbouring texel
+// that sees `other`, a different surface. It is 0 when texel and point lie on opposite sides of that surface, like
+// floors on both sides of a wall.
+static float passes(olx_vec3 step, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
-  if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;
+  if (!(height < -allowed) || height - olx_dot(other->normal, step) <= allowed) return 1.0f;
   return olx_max(2.0f + height / allowed, 0.0f);
 }
 
@@ -173,7 +174,7 @@ static texel_light read_texels(const olx_field *field, const olx_sample_settings
   for (uint32_t i = 0; i < 4; i++) {
     float weight = around.weight[i] * agrees[i];
     for (uint32_t k = 0; k < 4 && weight > 0.0f; k++) {
-      if (seen[k] && !(agrees[k] > 0.0f)) weight *= passes(&texels[i], &texels[k]);
+      if (seen[k] && !(agrees[k] > 0.0f)) weight *= passes(texels[i].step, &texels[k]);
     }
     if (!(weight > 0.0f)) continue;
     light.sum = olx_madd(light.sum, olx_texel_indirect(field, probe, around.index[i]), weight);

@@ -178,6 +178,13 @@ SURFACE_ROW(factor, put_f(r, factor(s->random[0], s->random[1])); put_f(r, facto
 SURFACE_ROW(has_volume, put_u(r, s->field->volume.header != NULL);)
 SURFACE_ROW(volume_word, put_u(r, volume_word(s, s->bits[0] % 400u));)
 SURFACE_ROW(fallen_back, const fallen f = fall_back(s); put_3(r, f.from); put_3(r, f.to);)
+SURFACE_ROW(stored_light, olx_surface_light light = {.probes = 0};
+    put_u(r, s->bits[2] & 1u ? stored_light(s->field, &s->settings, &e->p, &light) : false);
+    put_light(r, light.irradiance, light.probes);)
+SURFACE_ROW(complete_light, const olx_vec3 d = s->direction;
+    olx_surface_light light = {{fabsf(d.x), fabsf(d.y), fabsf(d.z)}, 2};
+    complete_light(s->field, &s->settings, &e->p, (s->bits[2] & 2u) != 0, &light);
+    put_light(r, light.irradiance, light.probes);)
 SURFACE_ROW(surface_light_from, olx_surface_light light = {.probes = 0}; blend b = {.count = 0};
     if (s->bits[2] & 1u) gather(s->field, &s->settings, &e->p, &b);
     if (b.count > 0) light = olx_surface_light_at(s->field, &s->settings, &e->p);
@@ -216,6 +223,8 @@ static const parity_row ROWS[] = {
     PARITY(has_volume, 0, 0),
     PARITY(volume_word, 0, 0),
     PARITY(fallen_back, 1e-4f, 1e-3),
+    PARITY(stored_light, 1e-3f, 1e-3),
+    PARITY(complete_light, 1e-3f, 1e-3),
     PARITY(surface_light_from, 1e-3f, 1e-3),
     PARITY(volume_source, 0, 0),
     PARITY(volume_irradiance, 1e-4f, 1e-3),

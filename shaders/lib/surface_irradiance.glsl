@@ -144,38 +144,43 @@ float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
 }
 
 // Returns how much light of a texel, whose surface is `way` from the point, reaches the point past a neighbouring texel
-// that sees `other`, a different surface.
-float olx_passes(vec3 way, olx_seen_texel other) {
-  float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
-  bool before = !(height < -allowed) || height - olx_dot(other.normal, way) <= allowed;
+// that sees a different surface with this normal: the point is `height` above it, which packing moves by `allowed`.
+float olx_passes(vec3 way, vec3 normal, float height, float allowed) {
+  bool before = !(height < -allowed) || height - olx_dot(normal, way) <= allowed;
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// These are loops over the four texels, of which only distances and weights are kept, so that few registers are live.
-// Those few texels that see other surfaces are therefore decoded a second time.
+// Of the four texels only weights are kept, and each is decoded at one place in a loop, so that few registers are live.
+// Where one of them sees another surface, they are decoded again.
 olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
   olx_probe_view v = olx_view_from(settings, probe, position, normal);
   olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
   uint stride = olx_field.n + 2u;
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
-  vec4 weight = around.weight, distance = vec4(0.0);
+  vec4 weight = around.weight;
   uint others = 0u; // a bit for each texel that sees another surface
   for (int i = 0; i < 4; i++) {
     olx_seen_texel t = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
     float agrees = olx_texel_agrees(v, t);
     weight[i] *= agrees;
-    distance[i] = t.distance;
     if (t.seen && !(agrees > 0.0)) others |= 1u << i;
   }
-  for (int k = 0; k < 4 && others >> k != 0u; k++) {
-    if ((others >> k & 1u) == 0u) continue;
-    olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
-    for (int i = 0; i < 4; i++) {
-      if (weight[i] > 0.0) weight[i] *= olx_passes(olx_texel_step(v, at + ivec2(i & 1, i >> 1), distance[i]), other);
+  for (int i = 0; i < 4 && others != 0u; i++) {
+    ivec2 texel = at + ivec2(i & 1, i >> 1);
+    float distance = 0.0;
+    if (weight[i] > 0.0) distance = olx_texel_geometry_of(v.map, texel).distance;
+    for (int k = 0; others >> k != 0u && weight[i] > 0.0; k++) {
+      if ((others >> k & 1u) != 0u) {
+        olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
+        float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
+        weight[i] *= olx_passes(olx_texel_step(v, texel, distance), other.normal, height, allowed);
+      }
     }
   }
+  uvec4 bits = uvec4(greaterThan(weight, vec4(0.0))) * uvec4(1u, 2u, 4u, 8u);
+  uint lit = bits.x | bits.y | bits.z | bits.w;
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < 4; i++) {
+  for (int i = 0; lit >> i != 0u; i++) {
     ivec2 texel = olx_border_source(at + ivec2(i & 1, i >> 1), int(olx_field.n));
     if (weight[i] > 0.0) sum += olx_texel_indirect(v.map, texel) * weight[i];
   }
@@ -252,30 +257,47 @@ mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position
   return irradiance;
 }
 
+// Returns the light that texels store for a point of a surface, where the given OLX_SOURCE_* include them; `stored` tells
+// whether there is any.
+olx_surface_light olx_stored_light(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal,
+                                   out bool stored) {
+  olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
+  bool finite = olx_finite(position) && olx_finite(geometric_normal);
+  if (!finite || (sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
+  bool own;
+  olx_blend b = olx_gather(settings, position, geometric_normal, own);
+  stored = b.count > 0u;
+  if (stored) light = olx_mix(b);
+  if (!own) light.probes = 0u;
+  return light;
+}
+
+// Completes the result of olx_stored_light: where nothing is stored, light comes from the other sources; where a normal
+// map bends the normal, stored light changes as theirs does.
+olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources, olx_surface_light light, bool stored,
+                                     vec3 position, vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal,
+                                     vec3 view) {
+  bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
+                olx_finite(shading_normal) && olx_finite(view);
+  vec3 bent = shading_normal - vertex_normal;
+  if (finite && (!stored || olx_dot(bent, bent) > 1e-6)) {
+    vec3 from = stored ? vertex_normal : shading_normal;
+    mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
+    vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
+    light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
+  }
+  return finite ? light : olx_surface_light(vec3(0.0), 0u);
+}
+
 // Returns irradiance in W/m^2 at a point of a surface, from the given OLX_SOURCE_*. Directions are unit vectors;
 // normals are on the side towards the eye: that of the triangle, that interpolated over it, and that bent by a normal
 // map.
 olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sources, vec3 position,
                                          vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal, vec3 view) {
-  olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
-  bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
-                olx_finite(shading_normal) && olx_finite(view);
-  if (finite) {
-    if ((sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
-    bool own;
-    olx_blend b = olx_gather(settings, position, geometric_normal, own);
-    bool stored = b.count > 0u;
-    if (stored) light = olx_mix(b);
-    if (!own) light.probes = 0u;
-    vec3 bent = shading_normal - vertex_normal;
-    if (!stored || olx_dot(bent, bent) > 1e-6) {
-      vec3 from = stored ? vertex_normal : shading_normal;
-      mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
-      vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
-      light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
-    }
-  }
-  return light;
+  bool stored;
+  olx_surface_light light = olx_stored_light(settings, sources, position, geometric_normal, stored);
+  return olx_complete_light(settings, sources, light, stored, position, geometric_normal, vertex_normal,
+                            shading_normal, view);
 }
 
 // Returns the source for places without stored light: the irradiance volume, or irradiance probes where the field has

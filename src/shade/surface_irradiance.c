@@ -275,23 +275,36 @@ static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_setti
                                point->view);
 }
 
+// Interpolates the light that texels store for the point; returns whether there is any.
+static bool stored_light(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                         olx_surface_light *light) {
+  blend b = {.count = 0};
+  const bool own = gather(field, settings, point, &b);
+  if (b.count == 0) return false;
+  light->irradiance = mix(&b, &light->probes);
+  if (!own) light->probes = 0;
+  return true;
+}
+
+// Completes the result of stored_light: where nothing is stored, light comes from the volume; where a normal map bends
+// the normal, stored light changes as that of the volume does.
+static void complete_light(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                           bool stored, olx_surface_light *light) {
+  const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
+  if (!stored) {
+    light->irradiance = fallen_back(field, settings, point);
+  } else if (olx_dot(bent, bent) > 1e-6f) {
+    const olx_vec3 change = normal_map_change(field, settings, point);
+    light->irradiance = olx_mul(light->irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
+  }
+}
+
 olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,
                                        const olx_surface_point *point) {
   olx_surface_light light = {.probes = 0};
   if (!is_finite(point)) return light;
-  blend b = {.count = 0};
-  const bool stored = gather(field, settings, point, &b);
-  if (b.count == 0) {
-    light.irradiance = fallen_back(field, settings, point);
-    return light;
-  }
-  light.irradiance = mix(&b, &light.probes);
-  if (!stored) light.probes = 0;
-  const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
-  if (olx_dot(bent, bent) > 1e-6f) {
-    const olx_vec3 change = normal_map_change(field, settings, point);
-    light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
-  }
+  const bool stored = stored_light(field, settings, point, &light);
+  complete_light(field, settings, point, stored, &light);
   return light;
 }
 

@@ -98,7 +98,7 @@
 #define ROW_olx_plane_clears 85
 #define ROW_olx_block_clears 86
 #define ROW_olx_reaches_plane 87
-#define ROW_olx_visit_texel 88
+#define ROW_olx_reaches_texel 88
 #define ROW_olx_next_cell 89
 #define ROW_olx_crossings_ahead 90
 #define ROW_olx_march_texels 91
@@ -229,7 +229,7 @@
 #define ROW_olx_packing_error 204
 #define ROW_olx_texel_agrees 205
 #define ROW_olx_passes 206
-#define ROW_olx_passes_all 207
+#define ROW_olx_texel_step 207
 #define ROW_olx_read_texels 208
 #define ROW_olx_blend_add 209
 #define ROW_olx_mix 210
@@ -240,48 +240,50 @@
 #define ROW_olx_has_volume 215
 #define ROW_olx_volume_word 216
 #define ROW_olx_fallen_back 217
-#define ROW_olx_surface_light_from 218
-#define ROW_olx_volume_source 219
-#define ROW_olx_volume_irradiance 220
-#define ROW_olx_surface_light_at 221
-#define ROW_olx_surface_irradiance 222
-#define ROWS_OF_SURFACE 223
+#define ROW_olx_stored_light 218
+#define ROW_olx_complete_light 219
+#define ROW_olx_surface_light_from 220
+#define ROW_olx_volume_source 221
+#define ROW_olx_volume_irradiance 222
+#define ROW_olx_surface_light_at 223
+#define ROW_olx_surface_irradiance 224
+#define ROWS_OF_SURFACE 225
 
-#define ROW_olx_rgb9e5_unpack 223
-#define ROW_olx_texel_material 224
-#define ROW_olx_texel_direct 225
-#define ROW_olx_texel_emission 226
-#define ROW_olx_word_vector 227
-#define ROW_olx_field_light_at 228
-#define ROW_olx_field_light_cone 229
-#define ROW_olx_field_light_arrival 230
-#define ROW_olx_highlight 231
-#define ROW_olx_light_without_shadows 232
-#define ROW_olx_lit_share 233
-#define ROW_olx_texel_shade 234
-#define ROW_olx_further_draw 235
-#define ROW_olx_further_light 236
-#define ROW_olx_surface_at 237
-#define ROWS_OF_HITS 238
+#define ROW_olx_rgb9e5_unpack 225
+#define ROW_olx_texel_material 226
+#define ROW_olx_texel_direct 227
+#define ROW_olx_texel_emission 228
+#define ROW_olx_word_vector 229
+#define ROW_olx_field_light_at 230
+#define ROW_olx_field_light_cone 231
+#define ROW_olx_field_light_arrival 232
+#define ROW_olx_highlight 233
+#define ROW_olx_light_without_shadows 234
+#define ROW_olx_lit_share 235
+#define ROW_olx_texel_shade 236
+#define ROW_olx_further_draw 237
+#define ROW_olx_further_light 238
+#define ROW_olx_surface_at 239
+#define ROWS_OF_HITS 240
 
 // Rows that need no field, and so have a test and a shader of their own.
-#define ROW_olx_volume_find 238
-#define ROW_olx_volume_weight 239
-#define ROW_olx_volume_light 240
-#define ROW_olx_volume_coefficient 241
-#define ROW_olx_harmonics_at 242
-#define ROW_olx_volume_probe 243
-#define ROW_olx_volume_both 244
+#define ROW_olx_volume_find 240
+#define ROW_olx_volume_weight 241
+#define ROW_olx_volume_light 242
+#define ROW_olx_volume_coefficient 243
+#define ROW_olx_harmonics_at 244
+#define ROW_olx_volume_probe 245
+#define ROW_olx_volume_both 246
 
 // Rows of geometry blocks, which need no field either.
-#define ROW_olx_plane_decode 245
-#define ROW_olx_geometry_pooled 246
-#define ROW_olx_geometry_plane_of 247
-#define ROW_olx_geometry_nearest 248
-#define ROW_olx_plane_depth 249
-#define ROW_olx_plane_normal 250
-#define ROW_olx_plane_distance 251
-#define ROW_olx_block_texel_point 252
-#define ROW_olx_turn 253
+#define ROW_olx_plane_decode 247
+#define ROW_olx_geometry_pooled 248
+#define ROW_olx_geometry_plane_of 249
+#define ROW_olx_geometry_nearest 250
+#define ROW_olx_plane_depth 251
+#define ROW_olx_plane_normal 252
+#define ROW_olx_plane_distance 253
+#define ROW_olx_block_texel_point 254
+#define ROW_olx_turn 255
 
 #endif

@@ -4,7 +4,7 @@
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
-#include "scene/distribution.h"
+#include "core/distribution.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"
 #include "scene/spherical_triangle.h"

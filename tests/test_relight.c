@@ -390,7 +390,7 @@ static void test_surfels_take_turns(void **state) {
   olx_relit_schedule *schedule;
   ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
   assert_int_equal(olx_relit_take_surfels(schedule).count, 0); // as baked
-  olx_relit_wake(schedule, 2, false);
+  olx_relit_wake(schedule, 2, 2, false);
   uint32_t samples[FEW_SURFELS] = {0}, next = 0;
   for (uint32_t left = FEW_SURFELS * OLX_RELIGHT_POINTS; left > 0;) {
     const olx_relit_surfel_turns turns = olx_relit_take_surfels(schedule);
@@ -417,10 +417,10 @@ static void test_late_records_of_earlier_lights_are_ignored(void **state) {
   olx_relit_schedule *schedule;
   ASSERT_OK(olx_relit_schedule_create(field, &settings, &schedule));
   assert_int_equal(olx_relit_take_links(schedule).count, 0); // as baked
-  olx_relit_wake(schedule, 1, false);
+  olx_relit_wake(schedule, 1, 1, false);
   const olx_relit_link_turns earlier = olx_relit_take_links(schedule);
   assert_true(earlier.count == 3 && !earlier.ends && earlier.dark && earlier.shines);
-  olx_relit_wake(schedule, 1, false);
+  olx_relit_wake(schedule, 1, 1, false);
   for (uint32_t i = 0; i < OLX_RELIGHT_POINTS; i++) olx_relit_take_surfels(schedule);
   const olx_relit_link_turns begins = olx_relit_take_links(schedule), ends = olx_relit_take_links(schedule);
   assert_true(begins.count == 3 && !begins.ends && ends.count == 2 && ends.ends && ends.shines && !ends.dark);

@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/lights.h"
-#include "scene/distribution.h"
+#include "core/distribution.h"
 #include "scene/environment.h"
 #include "scene/spherical_triangle.h"
 

@@ -370,7 +370,7 @@ typedef struct olx_gpu_uvec4 {
 // The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
 // for the solid angle that they represent.
 #define OLX_MOST_BRIGHT 2.0f
-#define OLX_LIT_SIDE 4u // texels along a side of a block whose samples of lights are stratified together
+#define OLX_LIT_SIDE 4u     // texels along a side of a block whose samples of lights are stratified together
 #define OLX_LAMP_SAMPLES 2u // rays from a surfel's point to surfaces near lamps
 #define OLX_SALT_LIGHT 0x524C4954u
 #define OLX_SALT_LAMP 0x524C4C50u
@@ -433,7 +433,7 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
 
 // A light, as olx_light (octalux/light.h) has it; the direction of a sun or spot is stored in edge_u.
 OLX_GPU_STRUCT(olx_gpu_light) {
-  olx_gpu_vec4 emission; // xyz; w: the radius within which surfaces are near the lamp
+  olx_gpu_vec4 emission;                 // xyz; w: the radius within which surfaces are near the lamp
   olx_gpu_vec4 position, edge_u, edge_v; // xyz
   olx_gpu_uint type, both_sides;
   olx_gpu_float cosine_inner, cosine_outer;
@@ -455,9 +455,9 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; beam_sums are sums over rays
   olx_gpu_uint close, near;                  // vectors of surfels
   olx_gpu_uint lamp_points;
-  olx_gpu_uint sums;                         // change and light of each workgroup that follows links
-  olx_gpu_uint tile_light;                   // vectors of scheduled tiles: sums over rays
-  olx_gpu_uint tile_direct, tile_indirect;   // tile_words for each of them
+  olx_gpu_uint sums;                       // change and light of each workgroup that follows links
+  olx_gpu_uint tile_light;                 // vectors of scheduled tiles: sums over rays
+  olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
   // Parts of the data for relighting, in which surfels or blocks begin at word 0.
   olx_gpu_uint link_starts, links;
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;

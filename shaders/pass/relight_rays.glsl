@@ -14,9 +14,9 @@ struct lit_place {
 
 olx_gpu_light read_light(uint index) {
   uint at = relight.lights + OLX_LIGHT_WORDS * index;
-  return olx_gpu_light(vec4(state_vector(at), uintBitsToFloat(state[at + 3u])), vec4(state_vector(at + 4u), 0.0), vec4(state_vector(at + 8u), 0.0),
-                       vec4(state_vector(at + 12u), 0.0), state[at + 16u], state[at + 17u],
-                       uintBitsToFloat(state[at + 18u]), uintBitsToFloat(state[at + 19u]));
+  return olx_gpu_light(vec4(state_vector(at), uintBitsToFloat(state[at + 3u])), vec4(state_vector(at + 4u), 0.0),
+                       vec4(state_vector(at + 8u), 0.0), vec4(state_vector(at + 12u), 0.0), state[at + 16u],
+                       state[at + 17u], uintBitsToFloat(state[at + 18u]), uintBitsToFloat(state[at + 19u]));
 }
 
 // The direct light at a place: irradiance, and its luminance by lights without area, along the way to them; and, kept

@@ -1,5 +1,5 @@
-// Computes what each surfel sends over its links: its direct plus indirect irradiance; or, for the volume, that with the
-// light of lamps close by.
+// Computes what each surfel sends over its links: its direct plus indirect irradiance; or, for the volume, that with
+// the light of lamps close by.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "relight_set.glsl"

@@ -122,8 +122,7 @@ static bool aim_near(const olx_near_lamps *lamps, olx_vec3 position, olx_vec3 no
   olx_lamp_ray to;
   if (!olx_near_lamps_draw(lamps, position, random, &to)) return false;
   const float cosine = olx_dot(to.direction, normal);
-  *ray = (olx_shadow_ray){position, to.direction,
-                          olx_length(olx_sub(to.target, position)) * (1.0f - OLX_END_SHARE)};
+  *ray = (olx_shadow_ray){position, to.direction, olx_length(olx_sub(to.target, position)) * (1.0f - OLX_END_SHARE)};
   *irradiance = olx_scale(to.irradiance, cosine);
   return cosine > 0.0f;
 }

@@ -17,8 +17,8 @@ typedef struct olx_relit_lights {
   olx_light *lights;
   olx_field_light *packed; // those without area, as fields store them
   uint32_t count, packed_count;
-  uint32_t rays; // from a place to all of them, at most, for a sample of its direct light
-  bool varying;  // light of some arrives from many directions
+  uint32_t rays;        // from a place to all of them, at most, for a sample of its direct light
+  bool varying;         // light of some arrives from many directions
   olx_near_lamps lamps; // surfaces near lamps, as the field shows them: surfels get their light from the lamps' points
 } olx_relit_lights;
 

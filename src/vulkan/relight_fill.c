@@ -94,9 +94,8 @@ static olx_result copy_state(olx_vulkan_relight *v, const olx_relit_surfels *s, 
   const struct {
     uint32_t at;
     const olx_vec3 *values;
-  } vectors[] = {
-      {c->direct, s->direct}, {c->irradiance, s->irradiance}, {c->beams, s->beams},
-      {c->close, s->close},   {c->near, s->near},             {c->highlights, s->highlights}};
+  } vectors[] = {{c->direct, s->direct}, {c->irradiance, s->irradiance}, {c->beams, s->beams}, {c->close, s->close},
+                 {c->near, s->near},     {c->highlights, s->highlights}};
   for (uint32_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
     OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + vectors[i].at, vectors[i].values,
                        VECTOR * (uint64_t)c->surfels));

@@ -39,8 +39,7 @@ static frame_plan plan_frame(const olx_vulkan_relight *v, olx_vec3 eye) {
   frame_plan plan;
   plan.surfels = olx_relit_take_surfels(v->schedule);
   plan.links = olx_relit_take_links(v->schedule);
-  plan.tiles =
-      olx_relit_take_tiles(v->schedule, eye, (uint64_t)plan.surfels.count * olx_relit_surfel_rays(v->lights));
+  plan.tiles = olx_relit_take_tiles(v->schedule, eye, (uint64_t)plan.surfels.count * olx_relit_surfel_rays(v->lights));
   plan.volume = olx_relit_take_volume(v->schedule);
   return plan;
 }
@@ -152,7 +151,8 @@ static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_re
 // Advances past the rays of a dispatch. Those to surfaces near lamps come after those to lights.
 static void skip_rays(const olx_relit_lights *lights, olx_gpu_relight_call *call) {
   for (uint32_t i = 0; i < call->rays; i++) {
-    if (++call->light_sample < (call->light < lights->count ? olx_relit_samples(lights, call->light) : OLX_LAMP_SAMPLES))
+    if (++call->light_sample <
+        (call->light < lights->count ? olx_relit_samples(lights, call->light) : OLX_LAMP_SAMPLES))
       continue;
     call->light_sample = 0;
     call->light++;

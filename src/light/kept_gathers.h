@@ -3,9 +3,7 @@
 #ifndef OLX_LIGHT_KEPT_GATHERS_H
 #define OLX_LIGHT_KEPT_GATHERS_H
 
-#include "light/link_batch.h"
-#include "scene/scene_parts.h"
-#include "work/byte_stream.h"
+#include "light/former_surfels.h"
 
 enum { OLX_GATHER_RAYS = 256 }; // of a gather
 
@@ -15,21 +13,28 @@ typedef struct olx_gather_light {
   olx_vec3 light;
 } olx_gather_light;
 
+// What rays of one kind depend on.
+typedef struct olx_gather_kind {
+  uint64_t needs;        // slots of olx_scene_inputs
+  olx_brick_set crossed; // bricks
+} olx_gather_kind;
+
 // One gather, as it is kept.
 typedef struct olx_kept_gather {
   const olx_link *links; // OLX_GATHER_RAYS
-  const uint64_t *needs; // slots of olx_scene_inputs that rays depend on, by their kind
   const uint8_t *kinds;  // OLX_GATHER_RAYS
+  const olx_gather_kind *table;
   const olx_gather_light *lights;
-  uint32_t needs_count, light_count;
+  uint32_t kind_count, light_count;
 } olx_kept_gather;
 
 // The gathers of one row. Zero-initialize.
 typedef struct olx_gather_row {
   olx_byte_writer kept;
-  olx_byte_reader former; // at the first gather for another scene that was not passed yet
-  uint64_t changed;       // slots that differ from that scene's
-  uint64_t reused;        // rays that were not cast
+  olx_byte_reader former;            // at the first gather for another scene that was not passed yet
+  uint64_t changed;                  // slots that differ from that scene's
+  uint64_t reused;                   // rays that were not cast
+  const olx_former_surfels *earlier; // that scene's surfels; NULL: they are the same
 } olx_gather_row;
 
 // Finds the next gather with this check, which covers everything that its rays are drawn from; returns false where there

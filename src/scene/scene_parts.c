@@ -161,6 +161,31 @@ static uint64_t hash_surfaces(const olx_scene *scene) {
   return XXH3_64bits_digest(&state);
 }
 
+uint64_t olx_scene_hash_mask(const olx_scene *scene, uint32_t material) {
+  XXH3_state_t state;
+  if (!(scene->materials[material].alpha_cutoff > 0.0f)) return 0;
+  XXH3_64bits_reset(&state);
+  hash_mask(&state, scene, &scene->materials[material]);
+  return XXH3_64bits_digest(&state);
+}
+
+uint64_t olx_scene_hash_triangle(const olx_scene *scene, uint32_t triangle) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint32_t words[] = {triangle, scene->material_index[triangle]};
+  XXH3_64bits_update(&state, words, sizeof words);
+  for (uint32_t i = 0; i < 3; i++) {
+    const uint32_t v = scene->indices[3 * (size_t)triangle + i];
+    XXH3_64bits_update(&state, &scene->positions[v], sizeof scene->positions[v]);
+    XXH3_64bits_update(&state, &scene->normals[v], sizeof scene->normals[v]);
+    XXH3_64bits_update(&state, &scene->uvs[v], sizeof scene->uvs[v]);
+    if (scene->second_uvs) XXH3_64bits_update(&state, &scene->second_uvs[v], sizeof scene->second_uvs[v]);
+    if (scene->colors) XXH3_64bits_update(&state, &scene->colors[v], sizeof scene->colors[v]);
+    if (scene->tangents) XXH3_64bits_update(&state, &scene->tangents[v], sizeof scene->tangents[v]);
+  }
+  return XXH3_64bits_digest(&state);
+}
+
 static uint64_t hash_emitters(const olx_scene *scene) {
   XXH3_state_t state;
   XXH3_64bits_reset(&state);
@@ -173,6 +198,11 @@ static uint64_t hash_emitters(const olx_scene *scene) {
     hash_material(&state, m);
     hash_textures_of(&state, scene, m);
   }
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    if (olx_max3(scene->materials[scene->material_index[t]].emission) <= 0.0f) continue;
+    const uint64_t triangle = olx_scene_hash_triangle(scene, t);
+    XXH3_64bits_update(&state, &triangle, sizeof triangle);
+  }
   return XXH3_64bits_digest(&state);
 }
 
@@ -180,7 +210,7 @@ olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene) {
   olx_scene_inputs inputs = {.surfaces = hash_surfaces(scene)};
   for (uint32_t i = 0; i < scene->material_count; i++) {
     XXH3_state_t state;
-    uint64_t *slot = &inputs.slots[i % OLX_INPUT_LIGHTS];
+    uint64_t *slot = &inputs.slots[i % OLX_INPUT_SURFELS];
     XXH3_64bits_reset(&state);
     XXH3_64bits_update(&state, slot, sizeof *slot);
     hash_material(&state, &scene->materials[i]);

@@ -23,9 +23,10 @@ typedef struct olx_gather_kind {
 typedef struct olx_kept_gather {
   const olx_link *links; // OLX_GATHER_RAYS
   const uint8_t *kinds;  // OLX_GATHER_RAYS
-  const olx_gather_kind *table;
+  const uint64_t *needs; // slots of olx_scene_inputs, of each kind of ray
+  const uint8_t *bricks; // of each kind: how many, and their numbers
   const olx_gather_light *lights;
-  uint32_t kind_count, light_count;
+  uint32_t kind_count, light_count, brick_count; // brick_count: bytes of `bricks`
 } olx_kept_gather;
 
 // The gathers of one row. Zero-initialize.
@@ -33,7 +34,7 @@ typedef struct olx_gather_row {
   olx_byte_writer kept;
   olx_byte_reader former;            // at the first gather for another scene that was not passed yet
   uint64_t changed;                  // slots that differ from that scene's
-  uint64_t reused;                   // rays that were not cast
+  uint64_t rays, reused;             // first rays of all gathers, and those that were not cast
   const olx_former_surfels *earlier; // that scene's surfels; NULL: they are the same
 } olx_gather_row;
 
@@ -41,5 +42,13 @@ typedef struct olx_gather_row {
 // is none near.
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather);
 void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather);
+
+// Most bytes that the bricks of a kind take.
+enum { OLX_KIND_BYTES = 1 + UINT8_MAX };
+// Writes a set's bricks as a kind's, and returns the number of bytes. A set of more than UINT8_MAX is written as empty, and
+// *needs made to need everything.
+uint32_t olx_gather_write_bricks(const olx_brick_set *set, uint8_t bytes[OLX_KIND_BYTES], uint64_t *needs);
+// Reads the kinds of a gather, of which there are at most OLX_GATHER_RAYS; returns false when they are damaged.
+bool olx_gather_read_kinds(const olx_kept_gather *gather, olx_gather_kind *kinds);
 
 #endif

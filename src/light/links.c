@@ -456,11 +456,12 @@ static void take_gather(olx_gather_row *row, uint64_t check, const olx_light_sur
                         ray_end ends[OLX_GATHER_RAYS]) {
   olx_kept_gather former;
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) ends[i] = (ray_end){.link = no_link};
-  if (!row || !olx_gather_row_find(row, check, &former)) return;
+  olx_gather_kind table[OLX_GATHER_RAYS];
+  if (!row || !olx_gather_row_find(row, check, &former) || !olx_gather_read_kinds(&former, table)) return;
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
     olx_link link = former.links[i];
     if (former.kinds[i] >= former.kind_count) continue;
-    const olx_gather_kind *kind = &former.table[former.kinds[i]];
+    const olx_gather_kind *kind = &table[former.kinds[i]];
     if (!still_holds(row, kind, surfels, &link)) continue;
     ends[i] = (ray_end){.link = link, .needs = kind->needs, .crossed = kind->crossed, .known = true};
     row->reused++;
@@ -486,7 +487,9 @@ static void keep_gather(olx_gather_row *row, uint64_t check, const ray_end ends[
   olx_gather_kind table[OLX_GATHER_RAYS];
   uint8_t kinds[OLX_GATHER_RAYS];
   olx_gather_light lights[OLX_GATHER_RAYS * OLX_CHAIN_MOST];
-  olx_kept_gather kept = {.links = links, .kinds = kinds, .table = table, .lights = lights};
+  uint64_t needs[OLX_GATHER_RAYS];
+  uint8_t bricks[OLX_GATHER_RAYS * OLX_KIND_BYTES];
+  olx_kept_gather kept = {.links = links, .kinds = kinds, .needs = needs, .bricks = bricks, .lights = lights};
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
     links[i] = ends[i].link;
     kinds[i] = kind_of(table, &kept.kind_count, &ends[i]);
@@ -495,6 +498,10 @@ static void keep_gather(olx_gather_row *row, uint64_t check, const ray_end ends[
       if (olx_max3(light) == 0.0f) continue;
       lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
     }
+  }
+  for (uint32_t i = 0; i < kept.kind_count; i++) {
+    needs[i] = table[i].needs;
+    kept.brick_count += olx_gather_write_bricks(&table[i].crossed, bricks + kept.brick_count, &needs[i]);
   }
   olx_gather_row_keep(row, check, &kept);
 }
@@ -514,6 +521,7 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
   }
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) sum = olx_add(sum, gathered(&ends[i], light));
   if (row) keep_gather(row, check, ends);
+  if (row) row->rays += OLX_GATHER_RAYS;
   return olx_scale(sum, 1.0f / OLX_GATHER_RAYS);
 }
 

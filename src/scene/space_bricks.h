@@ -5,7 +5,7 @@
 
 #include "scene/scene_data.h"
 
-enum { OLX_BRICK_WORDS = 2, OLX_SPACE_BRICKS = 64 * OLX_BRICK_WORDS };
+enum { OLX_BRICK_WORDS = 4, OLX_SPACE_BRICKS = 64 * OLX_BRICK_WORDS };
 
 // A set of bricks, one bit each.
 typedef struct olx_brick_set {

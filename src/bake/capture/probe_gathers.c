@@ -120,7 +120,10 @@ void olx_probe_gathers_begin(olx_probe_gathers *g, uint32_t probe) {
 olx_result olx_probe_gathers_end(olx_probe_gathers *g, uint32_t probe) {
   if (!g->rows) return OLX_OK;
   const olx_unit_stage stage = stage_of(g, probe);
-  for (uint32_t i = 0; i < g->row_count; i++) g->run->stats.reused_rays += g->rows[i].reused;
+  for (uint32_t i = 0; i < g->row_count; i++) {
+    g->run->stats.rays += g->rows[i].rays;
+    g->run->stats.reused_rays += g->rows[i].reused;
+  }
   return olx_unit_keep(g->run->store, &stage);
 }
 

@@ -63,30 +63,13 @@ olx_scene_inputs olx_surfels_inputs(const olx_light_surfels *s, uint64_t surfels
 
 // ---- Saving
 
-// What the geometry around surfels is known by.
-typedef struct geometry_record {
-  olx_surfels_name name;
-  double origin[3];
-  olx_vec3 low, high; // bounds of the scene
-  uint32_t counts[2]; // of surfels and of the table's slots
-  uint64_t bricks[OLX_SPACE_BRICKS];
-} geometry_record;
+typedef struct surfels_record {
+  olx_scene_inputs inputs;
+  uint64_t count, slots; // surfels, and slots of the table
+} surfels_record;
 
-static olx_result describe(const olx_light_surfels *s, geometry_record *record) {
-  const olx_space_bricks bricks = olx_space_bricks_make(s->scene->bounds_min, s->scene->bounds_max);
-  memset(record, 0, sizeof *record);
-  for (uint32_t i = 0; i < 3; i++) record->origin[i] = s->scene->origin[i];
-  record->low = bricks.low;
-  record->high = bricks.high;
-  return olx_space_bricks_hash(&bricks, s->scene, record->bricks);
-}
-
-olx_result olx_surfels_remember(const olx_light_surfels *s, const olx_surfels_name *name, olx_byte_writer *to) {
-  geometry_record record;
-  OLX_TRY(describe(s, &record));
-  record.name = *name;
-  record.counts[0] = s->count;
-  record.counts[1] = s->table.capacity;
+void olx_surfels_remember(const olx_light_surfels *s, const olx_scene_inputs *inputs, olx_byte_writer *to) {
+  const surfels_record record = {*inputs, s->count, s->table.capacity};
   olx_bytes_put(to, &record, 1, sizeof record);
   for (uint32_t i = 0; i < s->count; i++) {
     const surfel_numbers numbers = numbers_of(&s->surfels[i]);
@@ -94,7 +77,6 @@ olx_result olx_surfels_remember(const olx_light_surfels *s, const olx_surfels_na
   }
   olx_bytes_put(to, s->table.keys, s->table.capacity, sizeof *s->table.keys);
   olx_bytes_put(to, s->table.values, s->table.capacity, sizeof *s->table.values);
-  return OLX_OK;
 }
 
 // ---- Comparing
@@ -195,31 +177,31 @@ static olx_result compare(olx_former_surfels *former, const surfel_pair *p) {
   return result == OLX_OK ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for surfels of another scene");
 }
 
-static void compare_bricks(olx_former_surfels *former, const geometry_record *before, const geometry_record *now) {
+static void compare_bricks(olx_former_surfels *former, const olx_scene_inputs *before, const olx_scene_inputs *now) {
   for (uint32_t i = 0; i < OLX_SPACE_BRICKS; i++) {
     former->changed.words[i / 64] |= (uint64_t)(before->bricks[i] != now->bricks[i]) << i % 64;
   }
 }
 
-olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *from, const olx_light_surfels *now) {
-  geometry_record here;
+static bool has_bounds_of(const olx_scene_inputs *a, const olx_scene_inputs *b) {
+  return memcmp(a->origin, b->origin, sizeof a->origin) == 0 && memcmp(&a->low, &b->low, sizeof a->low) == 0 &&
+         memcmp(&a->high, &b->high, sizeof a->high) == 0;
+}
+
+olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *from, const olx_light_surfels *now,
+                                   const olx_scene_inputs *inputs) {
   *former = (olx_former_surfels){0};
-  const geometry_record *record = olx_bytes_get(from, 1, sizeof *record);
-  if (!record) return OLX_OK;
-  OLX_TRY(describe(now, &here));
-  if (memcmp(record->origin, here.origin, sizeof here.origin) != 0 ||
-      memcmp(&record->low, &here.low, sizeof here.low) != 0 || memcmp(&record->high, &here.high, sizeof here.high)) {
-    return OLX_OK;
-  }
-  surfel_pair p = {.count = record->counts[0], .now = now};
+  const surfels_record *record = olx_bytes_get(from, 1, sizeof *record);
+  if (!record || !has_bounds_of(&record->inputs, inputs)) return OLX_OK;
+  surfel_pair p = {.count = (uint32_t)record->count, .now = now};
   p.before = olx_bytes_get(from, p.count, sizeof *p.before);
-  former->table.capacity = former->table.count = record->counts[1];
-  former->table.keys = olx_bytes_take(from, record->counts[1], sizeof *former->table.keys);
-  former->table.values = olx_bytes_take(from, record->counts[1], sizeof *former->table.values);
+  former->table.capacity = former->table.count = (uint32_t)record->slots;
+  former->table.keys = olx_bytes_take(from, record->slots, sizeof *former->table.keys);
+  former->table.values = olx_bytes_take(from, record->slots, sizeof *former->table.values);
   olx_result result = OLX_OK;
   if (!from->failed) {
-    former->name = record->name;
-    compare_bricks(former, record, &here);
+    former->name = olx_surfels_name_of(&record->inputs);
+    compare_bricks(former, &record->inputs, inputs);
     result = compare(former, &p);
   }
   if (result != OLX_OK || from->failed) olx_former_surfels_free(former);

@@ -31,15 +31,25 @@ typedef struct olx_former_surfels {
 // Hashes the surfels, and how they are found.
 uint64_t olx_surfels_hash(const olx_light_surfels *surfels);
 
+// Returns the names that inputs hold.
+static inline olx_surfels_name olx_surfels_name_of(const olx_scene_inputs *inputs) {
+  return (olx_surfels_name){inputs->surfaces, inputs->slots[OLX_INPUT_SURFELS]};
+}
+
+static inline bool olx_surfels_same_name(const olx_surfels_name *a, const olx_surfels_name *b) {
+  return a->surfaces == b->surfaces && a->surfels == b->surfels;
+}
+
 // Returns the inputs of rays among these surfels: those of the scene with the light near lamps and the surfels.
 olx_scene_inputs olx_surfels_inputs(const olx_light_surfels *surfels, uint64_t surfels_hash,
                                     const olx_scene_inputs *scene);
 
-// Saves surfels and the geometry around them.
-olx_result olx_surfels_remember(const olx_light_surfels *surfels, const olx_surfels_name *name, olx_byte_writer *to);
-// Compares what olx_surfels_remember saved with the surfels of a bake. Where the bytes are damaged, or the bounds of the
-// scene differ, nothing is in common, and `former` stays empty. Fails when memory runs out.
-olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *from, const olx_light_surfels *now);
+// Saves surfels and their inputs (olx_surfels_inputs).
+void olx_surfels_remember(const olx_light_surfels *surfels, const olx_scene_inputs *inputs, olx_byte_writer *to);
+// Compares what olx_surfels_remember saved with the surfels and inputs of a bake. Where the bytes are damaged, or the
+// bounds of the scene differ, nothing is in common, and `former` stays empty. Fails when memory runs out.
+olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *from, const olx_light_surfels *now,
+                                   const olx_scene_inputs *inputs);
 void olx_former_surfels_free(olx_former_surfels *former);
 
 // Returns whether a ray of the earlier scene that found `link` ends at the same now, and gives the link its surfel's

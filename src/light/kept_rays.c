@@ -177,16 +177,12 @@ void olx_kept_rays_skip(olx_byte_reader *from) {
   read_kept(from, &unit);
 }
 
-static bool is_named(const kept_header *h, const olx_surfels_name *name) {
-  return h->inputs.surfaces == name->surfaces && h->inputs.slots[OLX_INPUT_SURFELS] == name->surfels;
-}
-
 // Finds whose surfels a unit has; returns false where they are unknown.
 static bool find_surfels(olx_former_unit *unit, const olx_former_rays *former) {
-  const olx_surfels_name now = {former->inputs.surfaces, former->inputs.slots[OLX_INPUT_SURFELS]};
-  if (is_named(unit->header, &now)) return true;
+  const olx_surfels_name own = olx_surfels_name_of(&unit->header->inputs), now = olx_surfels_name_of(&former->inputs);
+  if (olx_surfels_same_name(&own, &now)) return true;
   unit->earlier = former->surfels;
-  return former->surfels && former->surfels->count > 0 && is_named(unit->header, &former->surfels->name);
+  return former->surfels && former->surfels->count > 0 && olx_surfels_same_name(&own, &former->surfels->name);
 }
 
 // Finds the parts of a unit's bytes, in the order in which they were saved; returns false where they are of no use.

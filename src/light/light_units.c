@@ -188,8 +188,7 @@ static olx_result cast_whole(olx_scene_light *l) {
 static void save_surfels_of(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const cast_stage *c = user;
-  const olx_surfels_name name = {c->former.inputs.surfaces, c->former.inputs.slots[OLX_INPUT_SURFELS]};
-  to->failed |= olx_surfels_remember(&c->light->surfels, &name, to) != OLX_OK;
+  olx_surfels_remember(&c->light->surfels, &c->former.inputs, to);
 }
 
 // The surfels that the rays of a round may end at. Only bakes of edited scenes read them.
@@ -209,7 +208,7 @@ static olx_result read_former(cast_stage *c, const olx_unit_stage *stage) {
   olx_units_read_stale(l->settings.store, &surfels, 0, &data, &size_bytes);
   if (data) {
     olx_byte_reader reader = {.data = data, .size_bytes = size_bytes};
-    const olx_result result = olx_former_surfels_read(&c->earlier, &reader, &l->surfels);
+    const olx_result result = olx_former_surfels_read(&c->earlier, &reader, &l->surfels, &c->former.inputs);
     olx_release(data);
     OLX_TRY(result);
   }

@@ -3,7 +3,7 @@
 #ifndef OLX_SCENE_SCENE_PARTS_H
 #define OLX_SCENE_SCENE_PARTS_H
 
-#include "scene/scene_data.h"
+#include "scene/space_bricks.h"
 
 // Parts of a scene, as bits.
 enum {
@@ -30,9 +30,15 @@ enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1, OLX_INPUT_S
 typedef struct olx_scene_inputs {
   uint64_t surfaces; // geometry, and which material lies where on it
   uint64_t slots[OLX_INPUT_SLOTS];
+  double origin[3];
+  olx_vec3 low, high; // bounds
+  // The triangles in each brick of the bounds: where they are, how they are shaded, masked and textured, which material
+  // they have, and their numbers. Textures and materials themselves are left out, except for masks.
+  uint64_t bricks[OLX_SPACE_BRICKS];
 } olx_scene_inputs;
 
-olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene);
+// Fails when memory runs out.
+olx_result olx_scene_hash_inputs(const olx_scene *scene, olx_scene_inputs *inputs);
 
 // Returns the bit of a material's slot.
 static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_SURFELS; }
@@ -43,10 +49,5 @@ static inline uint64_t olx_inputs_changed(const olx_scene_inputs *a, const olx_s
   for (uint32_t i = 0; i < OLX_INPUT_SLOTS; i++) changed |= (uint64_t)(a->slots[i] != b->slots[i]) << i;
   return changed;
 }
-
-// Returns a hash of what decides where triangles of a material are present; 0 for a material without a mask.
-uint64_t olx_scene_hash_mask(const olx_scene *scene, uint32_t material);
-// Returns the hash of all data of a triangle, with its number and that of its material, but not the material itself.
-uint64_t olx_scene_hash_triangle(const olx_scene *scene, uint32_t triangle);
 
 #endif

@@ -1,12 +1,5 @@
-// Finds the bricks of space that rays cross, and hashes the geometry in each.
+// Divides a scene's bounds into bricks, and finds those that rays cross and boxes touch.
 #include "scene/space_bricks.h"
-
-#include "core/hooks.h"
-#include "core/result.h"
-#include "scene/scene_parts.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 // Triangles count as touching a brick within this share of its side. Rounding of rays and bricks is far below it.
 static const float TOUCH = 1e-3f;
@@ -79,48 +72,16 @@ void olx_space_bricks_cross(const olx_space_bricks *b, olx_vec3 origin, olx_vec3
   }
 }
 
-// ---- Hashes
-
 static uint32_t brick_at(float position, float low, float side, uint32_t count) {
   return (uint32_t)olx_clamp(floorf((position - low) / side), 0.0f, (float)count - 1.0f);
 }
 
-static void add_triangle(const olx_space_bricks *b, const olx_scene *scene, uint32_t triangle, uint64_t mask,
-                         uint64_t *hashes) {
-  olx_vec3 low = olx_splat(INFINITY), high = olx_splat(-INFINITY);
-  for (uint32_t i = 0; i < 3; i++) {
-    const olx_vec3 p = scene->positions[scene->indices[3 * (size_t)triangle + i]];
-    low = olx_min_each(low, p);
-    high = olx_max_each(high, p);
-  }
+olx_brick_range olx_space_bricks_near(const olx_space_bricks *b, olx_vec3 low, olx_vec3 high) {
   low = olx_madd(low, b->side, -TOUCH);
   high = olx_madd(high, b->side, TOUCH);
-  const uint64_t own = olx_scene_hash_triangle(scene, triangle);
-  const uint32_t first[3] = {brick_at(low.x, b->low.x, b->side.x, b->count[0]),
-                             brick_at(low.y, b->low.y, b->side.y, b->count[1]),
-                             brick_at(low.z, b->low.z, b->side.z, b->count[2])};
-  const uint32_t last[3] = {brick_at(high.x, b->low.x, b->side.x, b->count[0]),
-                            brick_at(high.y, b->low.y, b->side.y, b->count[1]),
-                            brick_at(high.z, b->low.z, b->side.z, b->count[2])};
-  for (uint32_t z = first[2]; z <= last[2]; z++) {
-    for (uint32_t y = first[1]; y <= last[1]; y++) {
-      for (uint32_t x = first[0]; x <= last[0]; x++) {
-        uint64_t *hash = &hashes[(z * b->count[1] + y) * b->count[0] + x];
-        const uint64_t all[] = {*hash, own, mask};
-        *hash = XXH3_64bits(all, sizeof all);
-      }
-    }
-  }
-}
-
-olx_result olx_space_bricks_hash(const olx_space_bricks *b, const olx_scene *scene, uint64_t *hashes) {
-  uint64_t *masks = olx_allocate((size_t)scene->material_count + 1, sizeof *masks);
-  if (!masks) return olx_fail(OLX_ERROR_MEMORY, "scene: out of memory for %u materials", scene->material_count);
-  for (uint32_t i = 0; i < scene->material_count; i++) masks[i] = olx_scene_hash_mask(scene, i);
-  for (uint32_t i = 0; i < OLX_SPACE_BRICKS; i++) hashes[i] = 0;
-  for (uint32_t t = 0; t < scene->triangle_count; t++) {
-    add_triangle(b, scene, t, masks[scene->material_index[t]], hashes);
-  }
-  olx_release(masks);
-  return OLX_OK;
+  return (olx_brick_range){
+      .first = {brick_at(low.x, b->low.x, b->side.x, b->count[0]), brick_at(low.y, b->low.y, b->side.y, b->count[1]),
+                brick_at(low.z, b->low.z, b->side.z, b->count[2])},
+      .last = {brick_at(high.x, b->low.x, b->side.x, b->count[0]), brick_at(high.y, b->low.y, b->side.y, b->count[1]),
+               brick_at(high.z, b->low.z, b->side.z, b->count[2])}};
 }

@@ -22,14 +22,21 @@ typedef struct olx_space_bricks {
 olx_space_bricks olx_space_bricks_make(olx_vec3 low, olx_vec3 high);
 
 // Adds the bricks that a ray crosses from its origin to `t_max`, in lengths of `direction`; t_max may be INFINITY. Where
-// rounding decides between two bricks, either is added: bricks overlap by far more (olx_space_bricks_hash).
+// rounding decides between two bricks, either is added: bricks overlap by far more (olx_space_bricks_near).
 void olx_space_bricks_cross(const olx_space_bricks *bricks, olx_vec3 origin, olx_vec3 direction, float t_max,
                             olx_brick_set *crossed);
 
-// Hashes the triangles that touch each brick or come within a thousandth of its side: where they are, how they are
-// shaded, masked and textured, which material they have, and their numbers. Textures and materials themselves are left
-// out, except for masks. `hashes` has OLX_SPACE_BRICKS elements.
-olx_result olx_space_bricks_hash(const olx_space_bricks *bricks, const olx_scene *scene, uint64_t *hashes);
+// A range of bricks, by their places along the axes.
+typedef struct olx_brick_range {
+  uint32_t first[3], last[3];
+} olx_brick_range;
+
+// Returns the bricks that a box touches or comes within a thousandth of their side.
+olx_brick_range olx_space_bricks_near(const olx_space_bricks *bricks, olx_vec3 low, olx_vec3 high);
+
+static inline uint32_t olx_space_brick(const olx_space_bricks *bricks, uint32_t x, uint32_t y, uint32_t z) {
+  return (z * bricks->count[1] + y) * bricks->count[0] + x;
+}
 
 static inline bool olx_brick_sets_meet(const olx_brick_set *a, const olx_brick_set *b) {
   uint64_t both = 0;

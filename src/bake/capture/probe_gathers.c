@@ -15,6 +15,9 @@ static void save_gathers(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_probe_gathers *g = user;
   const gathers_header header = {g->inputs, g->row_count};
+  size_t all_bytes = sizeof header + OLX_BYTES_ALIGNMENT;
+  for (uint32_t i = 0; i < g->row_count; i++) all_bytes += g->rows[i].kept.size_bytes + 2 * OLX_BYTES_ALIGNMENT;
+  olx_bytes_reserve(to, all_bytes);
   olx_bytes_put(to, &header, 1, sizeof header);
   for (uint32_t i = 0; i < g->row_count; i++) {
     const uint64_t size_bytes = g->rows[i].kept.size_bytes;
@@ -29,15 +32,10 @@ static olx_unit_stage stage_of(olx_probe_gathers *g, uint32_t probe) {
   return (olx_unit_stage){"gathers", probe, 1, g, NULL, save_gathers, NULL, OLX_PARTS_ALL};
 }
 
-static olx_surfels_name name_of(const olx_scene_inputs *inputs) {
-  return (olx_surfels_name){inputs->surfaces, inputs->slots[OLX_INPUT_SURFELS]};
-}
-
 static void save_surfels(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_probe_gathers *g = user;
-  const olx_surfels_name name = name_of(&g->inputs);
-  to->failed |= olx_surfels_remember(olx_scene_light_open(g->run->light).surfels, &name, to) != OLX_OK;
+  olx_surfels_remember(olx_scene_light_open(g->run->light).surfels, &g->inputs, to);
 }
 
 // The surfels at which gathers end, which have a round of their own beside those of cast rays (light_units.c).
@@ -52,7 +50,8 @@ static olx_result read_surfels(olx_probe_gathers *g) {
   olx_units_read_stale(g->run->store, &stage, 0, &data, &size_bytes);
   if (!data) return OLX_OK;
   olx_byte_reader reader = {.data = data, .size_bytes = size_bytes};
-  const olx_result result = olx_former_surfels_read(&g->earlier, &reader, olx_scene_light_open(g->run->light).surfels);
+  const olx_result result =
+      olx_former_surfels_read(&g->earlier, &reader, olx_scene_light_open(g->run->light).surfels, &g->inputs);
   olx_release(data);
   return result;
 }
@@ -62,17 +61,19 @@ olx_result olx_probe_gathers_create(olx_probe_gathers *g, olx_bake_run *run) {
   if (!run->light || !olx_bake_keeps_rays(run)) return OLX_OK;
   g->row_count = run->context.settings->radiance_size / OLX_BLOCK_SIDE;
   const olx_light_surfels *surfels = olx_scene_light_open(run->light).surfels;
-  const olx_scene_inputs scene = olx_scene_hash_inputs(run->context.scene);
+  olx_scene_inputs scene;
+  OLX_TRY(olx_scene_hash_inputs(run->context.scene, &scene));
   g->inputs = olx_surfels_inputs(surfels, olx_surfels_hash(surfels), &scene);
   OLX_TRY(read_surfels(g));
   g->rows = olx_allocate_zero(g->row_count, sizeof *g->rows);
   return g->rows ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for gathers of %u rows", g->row_count);
 }
 
+// Empties the rows, whose memory stays for the next probe.
 static void clear(olx_probe_gathers *g) {
   for (uint32_t i = 0; g->rows && i < g->row_count; i++) {
-    olx_byte_writer_free(&g->rows[i].kept);
-    g->rows[i] = (olx_gather_row){0};
+    const olx_byte_writer kept = g->rows[i].kept;
+    g->rows[i] = (olx_gather_row){.kept = {.data = kept.data, .capacity = kept.capacity}};
   }
   olx_release(g->former);
   g->former = NULL;
@@ -80,22 +81,19 @@ static void clear(olx_probe_gathers *g) {
 
 void olx_probe_gathers_free(olx_probe_gathers *g) {
   clear(g);
+  for (uint32_t i = 0; g->rows && i < g->row_count; i++) olx_byte_writer_free(&g->rows[i].kept);
   olx_former_surfels_free(&g->earlier);
   olx_release(g->rows);
   g->rows = NULL;
-}
-
-static bool is_name(const olx_surfels_name *a, const olx_surfels_name *b) {
-  return a->surfaces == b->surfaces && a->surfels == b->surfels;
 }
 
 static void read_rows(olx_probe_gathers *g, size_t size_bytes) {
   olx_byte_reader reader = {.data = g->former, .size_bytes = size_bytes};
   const gathers_header *header = olx_bytes_get(&reader, 1, sizeof *header);
   if (!header) return;
-  const olx_surfels_name before = name_of(&header->inputs), now = name_of(&g->inputs);
-  const bool same = is_name(&before, &now);
-  if (!same && !(g->earlier.count > 0 && is_name(&before, &g->earlier.name))) return;
+  const olx_surfels_name before = olx_surfels_name_of(&header->inputs), now = olx_surfels_name_of(&g->inputs);
+  const bool same = olx_surfels_same_name(&before, &now);
+  if (!same && !(g->earlier.count > 0 && olx_surfels_same_name(&before, &g->earlier.name))) return;
   const uint64_t changed = olx_inputs_changed(&header->inputs, &g->inputs);
   for (uint32_t i = 0; i < g->row_count && i < header->rows; i++) {
     uint64_t row_bytes = 0;

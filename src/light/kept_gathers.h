@@ -44,9 +44,9 @@ bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *g
 void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather);
 
 // Most bytes that the bricks of a kind take.
-enum { OLX_KIND_BYTES = 1 + UINT8_MAX };
-// Writes a set's bricks as a kind's, and returns the number of bytes. A set of more than UINT8_MAX is written as empty, and
-// *needs made to need everything.
+enum { OLX_KIND_BYTES = 64 };
+// Writes a set's bricks as a kind's, and returns the number of bytes. A set that does not fit is written as empty, and
+// *needs becomes everything.
 uint32_t olx_gather_write_bricks(const olx_brick_set *set, uint8_t bytes[OLX_KIND_BYTES], uint64_t *needs);
 // Reads the kinds of a gather, of which there are at most OLX_GATHER_RAYS; returns false when they are damaged.
 bool olx_gather_read_kinds(const olx_kept_gather *gather, olx_gather_kind *kinds);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Edit a scene and measure what a bake of it costs where the work folder of the bake before is kept.
 
-    bench/edits.py SCENE.json PROBES.json [--material NAME] [--chair X,Y,Z] [--octalux PROGRAM] [-- BAKE OPTIONS]
+    bench/edit_costs.py SCENE.json PROBES.json [--material NAME] [--chair X,Y,Z] [--octalux PROGRAM] [-- BAKE OPTIONS]
 
 SCENE.json is a description with a light of type sun or point. A chair is added, at the position of its seat's corner
 (default 0,0,0). The scene is baked into a kept folder; then each edit is made to the scene as it was at first, and

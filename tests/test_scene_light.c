@@ -1,5 +1,8 @@
 // Tests the solved light of scenes against path tracing, against the known light of sealed rooms, and against solutions
 // with other threads and other random numbers.
+#include "bake/volume/volume_light.h"
+#include "core/harmonics.h"
+#include "field/harmonic_data.h"
 #include "light/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
@@ -294,13 +297,18 @@ static olx_scene_light *solve_fixture(const olx_scene *scene, float noise) {
   return light;
 }
 
+// Returns the power that the plate catches, for an intensity of 1: the solid angle of the plate.
+static float caught_by_plate(void) {
+  const float half = 0.5f * plate_side;
+  return 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
+}
+
 // The plate reflects half of the light that it catches, to a black room like a small lamp of that power.
 static void the_light_of_a_fixture_is_all_there(void **state) {
   (void)state;
   olx_scene *scene = fixture_room(0.0f);
   olx_scene_light *light = solve_fixture(scene, 0.02f);
-  const float half = 0.5f * plate_side, height = 1.0f + lamp_height + lamp_gap;
-  const float caught = 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
+  const float height = 1.0f + lamp_height + lamp_gap, caught = caught_by_plate();
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < 16; i++) {
     const olx_vec2 uv = olx_hammersley(i, 16);
@@ -331,6 +339,35 @@ static void a_lamp_in_its_fixture_costs_few_rays(void **state) {
   olx_scene_free(scene);
 }
 
+// A probe of the volume in a black room sees the lit plate alone, which is so bright beside the lamp that the rays that
+// happen to end there would decide the light.
+static void the_volume_has_the_light_of_a_fixture(void **state) {
+  (void)state;
+  enum { PROBES = 16 };
+  olx_scene *scene = fixture_room(0.0f);
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_volume_light volume = {.scene = scene, .light = light, .rays = 256};
+  olx_vec3 places[PROBES];
+  uint16_t halves[PROBES * OLX_VOLUME_HALVES];
+  for (uint32_t i = 0; i < PROBES; i++) places[i] = olx_v3(0.3f, -0.2f - 0.04f * (float)i, 0.2f);
+  assert_int_equal(olx_volume_light_make(&volume, places, PROBES, halves), OLX_OK);
+  double worst = 0.0;
+  for (uint32_t i = 0; i < PROBES; i++) {
+    const olx_vec3 way = olx_sub(olx_v3(0.0f, lamp_height + lamp_gap, 0.0f), places[i]);
+    float values[OLX_HARMONICS_MOST];
+    olx_harmonics_at(olx_normalize(way), values);
+    const float found = olx_harmonics_irradiance(halves + OLX_VOLUME_HALVES * i, OLX_VOLUME_BANDS, values).x;
+    const float squared = olx_dot(way, way), cosine = way.y / sqrtf(squared);
+    // Three bands of harmonics make the light of one direction 17/16 as bright as it is.
+    const float wanted = 17.0f / 16.0f * 0.5f * caught_by_plate() / OLX_PI * cosine / squared;
+    worst = fmax(worst, fabs((double)(found / wanted) - 1.0));
+  }
+  print_message("light of the fixture in the volume: off by %.4f at most\n", worst);
+  assert_true(worst < 0.1);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -341,6 +378,7 @@ int main(void) {
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
       cmocka_unit_test(the_light_of_a_fixture_is_all_there),
       cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
+      cmocka_unit_test(the_volume_has_the_light_of_a_fixture),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

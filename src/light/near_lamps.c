@@ -153,3 +153,14 @@ olx_vec3 olx_near_lamps_irradiance(const olx_near_lamps *l, const olx_scene *sce
   const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   return olx_scale(olx_near_lamps_light(l, scene, &shading, sampler, rays).diffuse, OLX_PI);
 }
+
+bool olx_near_lamps_draw(const olx_near_lamps *l, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
+                         olx_lamp_beam *beam, uint64_t *rays) {
+  olx_light_sample sample;
+  if (l->count == 0 || !draw(l, position, olx_sampler_next(sampler), &sample)) return false;
+  const olx_ray ray = {position, sample.direction, 0.0f, olx_length(olx_sub(sample.target, position))};
+  ++*rays;
+  if (olx_bvh_occluded(scene->bvh, &ray)) return false;
+  *beam = (olx_lamp_beam){sample.direction, sample.emission};
+  return true;
+}

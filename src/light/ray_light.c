@@ -30,8 +30,7 @@ static olx_vec3 diffuse_light(const ray_shade *s, float indirect, const olx_ray_
 // Returns the light of sampled emitters that the specular lobe reflects, and that of surfaces near lamps where they are
 // sampled apart from the ray and `more` surfaces may lie between emitter and origin.
 static olx_vec3 specular_light(const ray_shade *s, const olx_shading *shading, bool more) {
-  const olx_vec3 found =
-      olx_direct_light_sampled(s->scene, shading, OLX_MIS_EACH_LOBE, s->sampler, s->rays).specular;
+  const olx_vec3 found = olx_direct_light_sampled(s->scene, shading, OLX_MIS_EACH_LOBE, s->sampler, s->rays).specular;
   if (!s->lamps || !more) return found;
   return olx_add(found, olx_near_lamps_light(s->lamps, s->scene, shading, s->sampler, s->rays).specular);
 }
@@ -91,6 +90,6 @@ olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_li
 }
 
 bool olx_scene_light_beam(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position, olx_sampler *sampler,
-                         olx_lamp_beam *beam, uint64_t *rays) {
+                          olx_lamp_beam *beam, uint64_t *rays) {
   return olx_near_lamps_draw(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, beam, rays);
 }

@@ -156,7 +156,8 @@ static void beams_job(void *user, uint32_t probe) {
 }
 
 olx_result olx_gather_solved(olx_gather *gather) {
-  const uint32_t jobs = olx_gather_points(&gather->quadrature) / SOLVED_POINTS, probes = olx_gather_probes(gather)->count;
+  const uint32_t jobs = olx_gather_points(&gather->quadrature) / SOLVED_POINTS,
+                 probes = olx_gather_probes(gather)->count;
   OLX_TRY(olx_bake_for(gather->context, probes * jobs, solved_job, gather, SOLVED_POINTS));
   if (olx_scene_light_bounces(gather->light) == 0) return OLX_OK;
   return olx_bake_for(gather->context, probes, beams_job, gather, 0);

@@ -120,10 +120,6 @@ typedef struct way {
   olx_sampler sampler;
 } way;
 
-// Rays of surfels see lights without area in smooth surfaces as in lobes of this alpha (roughness 0.32). A smoother lobe
-// shows a light to one ray in thousands, which then brings thousands of times the mean.
-static const float LEAST_ALPHA = 0.1f;
-
 static const uint64_t lights_needed = UINT64_C(1) << OLX_INPUT_LIGHTS;
 
 // Adds light after `surfaces` surfaces between its emitter and the start of the path.
@@ -234,7 +230,7 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
     }
     olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     shading.dark = dark_of(c, w);
-    shading.least_alpha = LEAST_ALPHA;
+    shading.least_alpha = OLX_LEAST_LAMP_ALPHA;
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&w->sampler) >= share)) {
       const olx_vec3 weight = olx_scale(olx_mul(w->throughput, shading.diffuse), 1.0f / (1.0f - share));

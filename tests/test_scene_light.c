@@ -107,7 +107,6 @@ static void irradiance_is_that_of_path_tracing(void **state) {
     for (uint32_t bounces = 1; bounces <= 4; bounces += 3) {
       olx_scene_light_settings settings = small_settings();
       settings.bounces = bounces;
-      settings.map_size = 256;
       olx_scene_light *light = solve(s, &settings);
       double bias;
       const double error = relative_error(s, light, bounces, &bias);
@@ -145,6 +144,7 @@ static void threads_and_runs_do_not_matter(void **state) {
   setting *s = malloc(sizeof *s);
   load(s, "builtin:cornell-glossy");
   olx_scene_light_settings settings = small_settings();
+  settings.noise = 0.1f;
   olx_scene_light *with_two = solve(s, &settings);
   settings.threads = 1;
   olx_scene_light *with_one = solve(s, &settings);

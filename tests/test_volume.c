@@ -166,6 +166,7 @@ static void light_in_free_space_is_that_of_path_tracing(void **state) {
     assert_int_equal(olx_scene_load(names[i], &scene), OLX_OK);
     olx_bake_settings settings = small_settings(scene);
     settings.radiance_size = 256;
+    settings.noise = 0.05f;
     settings.probe_light = true; // irradiance probes to compare with
     olx_bake_stats stats;
     olx_field *field = baked_field(scene, &settings, &stats);
@@ -173,7 +174,7 @@ static void light_in_free_space_is_that_of_path_tracing(void **state) {
     olx_audit_settings audit = olx_audit_settings_default();
     audit.rays = audit.points = 0;
     audit.space_points = 200;
-    audit.spp = 1024;
+    audit.spp = 512;
     audit.threads = 2;
     olx_audit found;
     assert_int_equal(olx_audit_field(scene, field, &audit, NULL, &found), OLX_OK);

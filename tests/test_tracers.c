@@ -270,6 +270,7 @@ static void in_baked_fields_with_fewer_fetches(void **state) {
     olx_scene *scene;
     assert_int_equal(olx_scene_load(scenes[k], &scene), OLX_OK);
     olx_bake_settings settings = olx_bake_settings_default(scene);
+    assert_int_equal(olx_scene_probe_grid(scene, (const uint32_t[3]){3, 2, 3}, &settings.grid), OLX_OK);
     settings.radiance_size = 128;
     settings.select_mask = 1u << OLX_SELECT_CAGE | 1u << OLX_SELECT_BRICKS;
     settings.samples = 1;

@@ -14,6 +14,7 @@ olx_place_settings quick_settings(const olx_scene *scene, olx_place_method metho
   settings.voxels = 36;
   settings.refinements = 1;
   settings.rounds = 6;
+  settings.resolution = 128;
   return settings;
 }
 
@@ -21,6 +22,7 @@ olx_place_settings quicker_settings(const olx_scene *scene, olx_place_method met
   olx_place_settings settings = quick_settings(scene, method);
   settings.surfels = 375;
   settings.candidates = 75;
+  settings.resolution = 32;
   return settings;
 }
 

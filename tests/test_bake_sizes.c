@@ -74,6 +74,7 @@ static void bakes_take_what_they_say(void **state) {
   base.radiance_size = 64;
   base.irradiance_size = 32;
   base.samples = 1;
+  base.bounces = 2;
   base.threads = 2;
   base.light = OLX_LIGHT_REFERENCE; // surfels and links are not estimated, since their number depends on the scene
   base.reference_paths = 1;

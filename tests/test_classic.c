@@ -345,7 +345,8 @@ static void mirrors_show_the_walls(void **state) {
 static void bytes_do_not_depend_on_threads(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell-glossy");
-  const olx_bake_settings settings = small_bake(scene);
+  olx_bake_settings settings = small_bake(scene);
+  settings.noise = 0.2f;
   baked_field_at_any_threads(scene, &settings);
   olx_scene_free(scene);
 }
@@ -355,6 +356,7 @@ static void classic_maps_are_added_to_the_same_field(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
   olx_bake_settings settings = small_bake(scene);
+  settings.noise = 0.2f;
   olx_field *with = baked_field(scene, &settings, NULL);
   settings.classic = false;
   olx_field *without = baked_field(scene, &settings, NULL);

@@ -250,8 +250,9 @@ static void test_traced_emitters_replace_their_direct_light(void **state) {
 
 static olx_field *bake(const olx_scene *scene) {
   olx_bake_settings settings = olx_bake_settings_default(scene);
+  ASSERT_OK(olx_scene_probe_grid(scene, (const uint32_t[3]){2, 2, 4}, &settings.grid));
   settings.radiance_size = 64;
-  settings.irradiance_size = 8;
+  settings.noise = 0.1f;
   settings.bounces = 0;
   return baked_field(scene, &settings, NULL);
 }

@@ -105,7 +105,11 @@ static olx_scene *room_in_a_hull(const scene_folder *folder) {
 
 static void space_behind_walls_gets_no_probes(void **state) {
   olx_scene *scene = room_in_a_hull(*state);
-  const olx_place_settings settings = olx_place_settings_default(scene);
+  olx_place_settings settings = olx_place_settings_default(scene);
+  settings.voxels = 64;
+  settings.surfels = 2048;
+  settings.candidates = 256;
+  settings.resolution = 256;
   olx_probe_set set;
   ASSERT_OK(olx_place(scene, &settings, NULL, &set));
   assert_true(set.report.coverage > 0.99);

@@ -19,7 +19,7 @@ static const olx_vec3 inside_eye = {0.3f, -0.2f, 0.4f}, inside_target = {-1.0f, 
 static void check_furnace(float albedo, uint32_t bounces, double direct, double indirect) {
   olx_scene *scene = tiny_furnace(albedo, 1.0f);
   const olx_camera camera = tiny_camera(inside_eye, inside_target, 70);
-  const olx_render_settings settings = path_settings(32, 256, bounces);
+  const olx_render_settings settings = path_settings(20, 256, bounces);
   olx_image image = tiny_render(scene, NULL, &camera, &settings);
   assert_close(tiny_mean(&image, OLX_LAYER_DIRECT), direct, 1e-3, "direct");
   if (indirect > 0) assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE), indirect, 1e-3, "indirect");
@@ -352,7 +352,7 @@ static double squared_error(const olx_image *a, const olx_image *b) {
 static void test_error_falls_with_the_root_of_the_samples(void **state) {
   (void)state;
   olx_scene *scene = mixed_room();
-  olx_render_settings settings = path_settings(16, 1 << 12, 3);
+  olx_render_settings settings = path_settings(16, 1 << 11, 3);
   olx_image reference = render_room(scene, &settings);
   settings.standard_error = true;
   double sx = 0, sy = 0, sxx = 0, sxy = 0;

@@ -5,6 +5,7 @@
 #include "scene_files.h"
 #include "tiny_scenes.h"
 #include "vulkan/gpu_relight.h"
+#include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
 
@@ -19,6 +20,9 @@ static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
 static olx_field *field;
+static host_images images;       // of the frame that renders all pictures
+static olx_vulkan_field *framed; // the field for which this frame was made
+static olx_vulkan_frame *frame;
 static gpu_buffer copied; // light of the device's surfels: direct, indirect, and highlights in the indirect light
 
 static olx_field *bake(const char *name) {
@@ -34,6 +38,16 @@ static olx_field *bake(const char *name) {
   olx_field *baked;
   ASSERT_OK(olx_field_open(path, &baked));
   return baked;
+}
+
+// Makes the frame of all pictures: its pipelines, whose compilation takes seconds on a CPU device, fit every field of the
+// same room, since all have the same set layouts.
+static void make_frame(void) {
+  images = host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
+  images.targets.dynamic = host_input(&images, HOST_DYNAMIC);
+  ASSERT_OK(olx_vulkan_field_create(&device.host, field, &framed));
+  ASSERT_OK(olx_vulkan_frame_create(framed, &images.targets, &frame));
 }
 
 // Makes a coloured box with a glossy floor, a screen that casts shadows, and a small lamp.
@@ -54,6 +68,7 @@ static int set_up(void **unused) {
   const olx_relight_header *h = field->relight.header;
   print_message("%u surfels, %u links, %u sites, %u volume probes\n", h->surfels, h->links, h->sites, h->volume_probes);
   assert_true(h->surfels > 500 && h->links > h->surfels && h->volume_probes > 8);
+  make_frame();
   const VkDeviceSize bytes = SURFEL_PARTS * sizeof(olx_vec3) * h->surfels;
   return gpu_buffer_create(&device, "copied light", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true, &copied) ? 0 : -1;
 }
@@ -62,6 +77,9 @@ static int tear_down(void **unused) {
   (void)unused;
   if (!device.host.device) return 0;
   gpu_buffer_destroy(&device, &copied);
+  olx_vulkan_frame_destroy(frame);
+  host_images_free(&images);
+  olx_vulkan_field_destroy(framed);
   olx_field_close(field);
   olx_scene_free(scene);
   scene_folder_remove(&folder);
@@ -88,50 +106,47 @@ static olx_relight *begin_relight(const olx_relight_settings *settings) {
 
 // ---- Pictures of a field on the device, with objects that take the light of the volume
 
+enum { IRRADIANCE, GLOSSY, KINDS };
+
 typedef struct picture {
-  host_images images;
   olx_vulkan_field *uploaded;
-  olx_vulkan_frame *frame;
+  olx_vec3 light[KINDS][PIXELS]; // once it is rendered
 } picture;
 
 static picture make_picture(const olx_field *from) {
-  picture p = {.images = host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT)};
-  p.images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;
-  p.images.targets.dynamic = host_input(&p.images, HOST_DYNAMIC);
+  picture p = {.uploaded = NULL};
   ASSERT_OK(olx_vulkan_field_create(&device.host, from, &p.uploaded));
-  ASSERT_OK(olx_vulkan_frame_create(p.uploaded, &p.images.targets, &p.frame));
   return p;
 }
 
-static void free_picture(picture *p) {
-  olx_vulkan_frame_destroy(p->frame);
-  host_images_free(&p->images);
-  olx_vulkan_field_destroy(p->uploaded);
-}
+static void free_picture(picture *p) { olx_vulkan_field_destroy(p->uploaded); }
 
 static void render(picture *p) {
   const olx_vulkan_view view = host_vulkan_view(&VIEW);
   const olx_vulkan_settings settings = olx_vulkan_settings_default();
+  frame->field = p->uploaded;
   assert_true(gpu_commands_begin(&device));
-  host_upload(&p->images, &VIEW);
-  ASSERT_OK(olx_vulkan_record_irradiance(p->frame, device.commands, &view, &settings));
-  ASSERT_OK(olx_vulkan_record_glossy(p->frame, device.commands, &view, &settings));
-  host_download(&p->images);
+  host_upload(&images, &VIEW);
+  ASSERT_OK(olx_vulkan_record_irradiance(frame, device.commands, &view, &settings));
+  ASSERT_OK(olx_vulkan_record_glossy(frame, device.commands, &view, &settings));
+  host_download(&images);
   assert_true(gpu_commands_run(&device));
+  frame->field = framed;
+  float alpha;
+  for (uint32_t i = 0; i < KINDS * PIXELS; i++)
+    p->light[i / PIXELS][i % PIXELS] = host_output(&images, i / PIXELS, i % PIXELS, &alpha);
 }
 
 typedef struct picture_errors {
   double surfaces, objects, glossy; // relative mean squared errors of the three kinds of light
 } picture_errors;
 
-static double add_error(const picture *a, const picture *b, uint32_t image, bool dynamic) {
+static double add_error(const picture *a, const picture *b, uint32_t kind, bool dynamic) {
   double off = 0.0, sum = 0.0;
   for (uint32_t i = 0; i < PIXELS; i++) {
     const host_pixel p = host_pixel_at(&VIEW, i % WIDTH, i / WIDTH);
     if (p.empty || p.dynamic != dynamic) continue;
-    float alpha;
-    const olx_vec3 truth = host_output(&b->images, image, i, &alpha),
-                   d = olx_sub(host_output(&a->images, image, i, &alpha), truth);
+    const olx_vec3 truth = b->light[kind][i], d = olx_sub(a->light[kind][i], truth);
     off += (double)olx_dot(d, d);
     sum += (double)olx_dot(truth, truth);
   }
@@ -143,8 +158,8 @@ static picture_errors judge_picture(picture *p, const olx_field *truth) {
   picture other = make_picture(truth);
   render(p);
   render(&other);
-  const picture_errors e = {add_error(p, &other, 0, false), add_error(p, &other, 0, true),
-                            add_error(p, &other, 1, false)};
+  const picture_errors e = {add_error(p, &other, IRRADIANCE, false), add_error(p, &other, IRRADIANCE, true),
+                            add_error(p, &other, GLOSSY, false)};
   free_picture(&other);
   return e;
 }

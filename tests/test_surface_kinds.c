@@ -107,6 +107,10 @@ static int make_room(void **state) {
   static room_of_kinds room;
   room.scene = make_scene(&room);
   olx_place_settings placing = olx_place_settings_default(room.scene);
+  placing.voxels = 64;
+  placing.surfels = 4096;
+  placing.candidates = 256;
+  placing.resolution = 256;
   olx_probe_set set;
   ASSERT_OK(olx_place(room.scene, &placing, NULL, &set));
   olx_vec3 *probes = olx_allocate(set.count, sizeof *probes);

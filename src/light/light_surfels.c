@@ -66,7 +66,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
                            .seed = seed,
                            .spacing = spacing,
                            .threads = threads};
-  OLX_TRY(olx_near_lamps_create(&s->lamps, scene));
+  OLX_TRY(olx_lamp_light_create(&s->lamps, scene));
   return olx_cell_table_create(&s->table, 1024);
 }
 
@@ -110,6 +110,16 @@ bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *s
 static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surface *surface) {
   while (head != OLX_CELL_NONE && !olx_light_surfels_see(s, &s->surfels[head], surface)) head = s->surfels[head].next;
   return head;
+}
+
+uint64_t olx_light_surfels_cell(const olx_cell_table *table, uint64_t finest_key) {
+  uint64_t cell = 0;
+  for (uint32_t level = FIRST_LEVEL + 1; level-- > 0;) {
+    const uint64_t key = olx_cell_at_level(finest_key, level);
+    if (olx_cell_table_get(table, key) == OLX_CELL_NONE) break;
+    cell = key;
+  }
+  return cell;
 }
 
 olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key, const olx_surface *surface,

@@ -5,7 +5,7 @@
 #define OLX_LIGHT_LIGHT_SURFELS_H
 
 #include "core/parallel.h"
-#include "light/near_lamps.h"
+#include "light/lamp_light.h"
 #include "light/surface_cells.h"
 #include "scene/surface.h"
 
@@ -63,6 +63,9 @@ olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_p
 // Returns whether nothing occludes a nearby surface from a surfel.
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
+
+// Returns the key of the smallest cell of a table that holds a point with the given finest key; 0 when there is none.
+uint64_t olx_light_surfels_cell(const olx_cell_table *table, uint64_t finest_key);
 
 // The surfel that covers a point.
 typedef struct olx_surfel_found {

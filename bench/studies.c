@@ -15,8 +15,6 @@ const bench_study studies[] = {
      "the glossy pass through several fields, in turns", study_glossy_speed},
     {"glossy-quality", "SCENE FIELD.olx WIDTH HEIGHT SPP PATHS KEPT", 7, 7, "glossy light against path tracing",
      study_glossy_quality},
-    {"glossy-wide", "SCENE FIELD.olx WIDTH HEIGHT SPP PATHS KEPT [READS...]", 7, ANY,
-     "directions looked up against rays, in wide lobes", study_glossy_wide},
     {"glossy-oracle", "SCENE FIELD.olx [PIXELS]", 2, 3, "where the error of glossy light comes from",
      study_glossy_oracle},
     {"viewpoint-limit", "SCENE FIELD.olx [RAYS]", 2, 3, "the least error that texels of probes leave",

@@ -29,7 +29,6 @@ int study_selector_speed(int argc, char **argv);
 int study_glossy_speed(int argc, char **argv);
 int study_block_quality(int argc, char **argv);
 int study_glossy_quality(int argc, char **argv);
-int study_glossy_wide(int argc, char **argv);
 int study_glossy_oracle(int argc, char **argv);
 int study_light_quality(int argc, char **argv);
 int study_placement_check(int argc, char **argv);

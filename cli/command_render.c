@@ -23,7 +23,7 @@
 // The options of the command. 0 means not given where 0 is invalid; NOT_GIVEN elsewhere.
 typedef struct render_options {
   const char *scene, *output, *png, *field, *camera, *from_camera;
-  uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, lobe_reads, seed, threads, device;
+  uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
   uint32_t mode, gather_samples, frames, cut, denoise, emitters, relight;
   olx_sample_settings sample;
   scene_options loading;
@@ -72,7 +72,6 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   if (o->glossy_samples) settings.glossy_samples = o->glossy_samples;
   settings.standard_error = o->standard_error;
   settings.seed = o->seed;
-  settings.lobe_reads = o->lobe_reads;
   settings.centered = o->centered;
   settings.dim_lobe = o->dim_lobe;
   settings.denoise = denoise_settings(o->denoise);
@@ -87,7 +86,6 @@ static int check_frames(render_options *o) {
   if (o->frames && (o->method != OLX_METHOD_FIELD || o->mode == MODE_GATHER)) {
     return usage_error("render", "--frames goes with --method field and --mode denoised or prefiltered");
   }
-  if (o->lobe_reads && o->frames) return usage_error("render", "--lobe-reads goes without --frames");
   if (o->gather_samples && o->mode != MODE_GATHER)
     return usage_error("render", "--gather-samples goes with --mode gather");
   if (o->from_camera && !o->frames) return usage_error("render", "--from-camera goes with --frames");
@@ -105,7 +103,6 @@ static int check_device(const render_options *o) {
   if (o->device != DEVICE_VULKAN) return EXIT_DONE;
   if (o->method == OLX_METHOD_PATH) return usage_error("render", "--device vulkan goes with --method field or classic");
   if (o->standard_error) return usage_error("render", "--standard-error goes with --device cpu");
-  if (o->lobe_reads) return usage_error("render", "--lobe-reads goes with --device cpu");
   return EXIT_DONE;
 }
 
@@ -356,8 +353,6 @@ static const option render_quality_options[] = {
      "field: diffuse light stored at surfaces, at irradiance probes, or from rays; default surface"},
     {"--glossy-samples", OPTION_COUNT, offsetof(render_options, glossy_samples), "N",
      "field: glossy rays a sample; default 4", 1, OLX_PICTURE_LOBE_SAMPLES_MOST},
-    {"--lobe-reads", OPTION_COUNT, offsetof(render_options, lobe_reads), "N",
-     "field: look up N directions of wide lobes in place of each ray; default 0", 0, OLX_MOST_LOBE_READS},
     {"--diffuse-samples", OPTION_COUNT, offsetof(render_options, diffuse_samples), "N",
      "field: rays a sample when traced; default 64", 1, 4096},
     {"--gather-samples", OPTION_COUNT, offsetof(render_options, gather_samples), "N",

@@ -100,8 +100,6 @@ typedef enum olx_diffuse {
   OLX_DIFFUSE_TRACED = 2      // by cosine rays traced through the field (section 5, naive renderer)
 } olx_diffuse;
 
-#define OLX_MOST_LOBE_READS 256u
-
 typedef struct olx_render_settings {
   uint32_t width, height;    // 1 to 16384; default 1280 x 720
   uint32_t spp;              // camera samples a pixel, 1 to 2^20; 1 shoots through pixel centres; default 64 for path,
@@ -111,10 +109,6 @@ typedef struct olx_render_settings {
   olx_diffuse diffuse;       // field; default OLX_DIFFUSE_SURFACE
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
-  uint32_t lobe_reads;       // field, olx_render: directions of each specular lobe of roughness 0.25 and more that are
-                             // looked up in probes' maps in place of each of its rays, which is traced only where the
-                             // maps do not tell (docs/maths.md, "Wide lobes"); 0 (trace) to OLX_MOST_LOBE_READS,
-                             // default 0; no effect in fields without bricks and on hits that are not shaded
   uint32_t seed;             // a second seed gives other samples, so that two images have independent noise; default 0
   float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not
                              // traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields

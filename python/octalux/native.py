@@ -246,8 +246,8 @@ class Image(Struct):
 class RenderSettings(Struct):
     _fields_ = [("width", c_uint32), ("height", c_uint32), ("spp", c_uint32), ("bounces", c_uint32),
                 ("method", c_uint32), ("diffuse", c_uint32), ("diffuse_samples", c_uint32),
-                ("glossy_samples", c_uint32), ("lobe_reads", c_uint32), ("seed", c_uint32),
-                ("dim_lobe", c_float), ("centered", c_bool), ("denoise", DenoiseSettings), ("standard_error", c_bool), ("threads", c_uint32),
+                ("glossy_samples", c_uint32), ("seed", c_uint32), ("dim_lobe", c_float), ("centered", c_bool),
+                ("denoise", DenoiseSettings), ("standard_error", c_bool), ("threads", c_uint32),
                 ("sample", SampleSettings)]
 
 

@@ -214,16 +214,15 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
     last = olx_next_ranked(settings, position, normal, all, list, last);
     bool more = last.weight > OLX_BLEND_ABOVE * b.best;
     if (more) {
-      olx_blend_add(b, olx_read_texels(settings, last.probe, position, normal), last.weight);
+      olx_sample_settings allowed = settings;
+      allowed.surface_tolerance += stored ? 0.0 : OLX_NEAR_SURFACE;
+      olx_blend_add(b, olx_read_texels(allowed, last.probe, position, normal), last.weight);
       tried++;
       more = tried < most && b.count < OLX_MOST_BLENDED;
     }
     if (!more) { // search all probes where none nearby sees the surface, then those nearby for surfaces close to it
       searching = stored && b.count == 0u;
-      if (searching && all) {
-        stored = false;
-        settings.surface_tolerance += OLX_NEAR_SURFACE;
-      }
+      if (searching && all) stored = false;
       all = !all;
       tried = 0u;
       last = olx_ranked_probe(0u, 0u, OLX_INFINITY);

@@ -7,7 +7,6 @@
 #include "shade/further.h"
 #include "shade/glossy.h"
 #include "shade/surface_irradiance.h"
-#include "shade/wide_lobe.h"
 
 typedef struct shaded_tile {
   const olx_render_context *context;
@@ -81,25 +80,6 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
   ray->random = random;
   ray->reflectance = olx_fresnel(&surface->bsdf, half_cosine);
   return true;
-}
-
-// Looks up the light of a wide lobe. Returns false when no ray is left to trace.
-static bool look_up_glossy(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
-                           olx_vec2 random, field_ray *ray, olx_vec3 *light) {
-  const olx_lobe_surface surface = {.position = field_origin(shading->surface),
-                                    .normal = shading->normal,
-                                    .view = view,
-                                    .roughness = shading->surface->roughness,
-                                    .bsdf = shading->surface->bsdf};
-  const olx_lobe_light found =
-      olx_lobe_look_up(context->field, &context->settings->sample, &surface, context->settings->lobe_reads, random);
-  *light = found.light;
-  *ray = (field_ray){.origin = surface.position,
-                     .direction = found.direction,
-                     .reflectance = found.reflectance,
-                     .weight = 1.0f,
-                     .random = found.random};
-  return found.traces;
 }
 
 static olx_ray_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit) {
@@ -285,22 +265,6 @@ static uint32_t glossy_count(const shaded_tile *tile, const olx_shading *shading
   return shading->surface->bsdf.alpha > 0.0f ? tile->context->settings->glossy_samples : 1;
 }
 
-// Draws a glossy ray of a surface, or looks up its lobe where that is wide and the settings ask for it.
-static void add_glossy(const shaded_tile *tile, ray_bundle *bundle, uint32_t k, olx_vec2 random) {
-  const olx_shading *shading = &tile->shadings[k];
-  const olx_render_settings *settings = tile->context->settings;
-  const olx_vec3 view = olx_negate(tile->rays->directions[tile->pixel[k]]);
-  field_ray *ray = next_ray(tile, bundle, k);
-  if (!settings->lobe_reads ||
-      !olx_lobe_is_wide(tile->context->field, &settings->sample, shading->surface->roughness)) {
-    bundle->count += draw_glossy(shading, view, random, ray);
-    return;
-  }
-  olx_vec3 light;
-  bundle->count += look_up_glossy(tile->context, shading, view, random, ray, &light);
-  bundle->sum[k] = olx_add(bundle->sum[k], light);
-}
-
 static void light_glossily(shaded_tile *tile) {
   ray_bundle bundle;
   begin_bundle(&bundle, true);
@@ -311,8 +275,10 @@ static void light_glossily(shaded_tile *tile) {
     if (!shading->has_specular || dim[k]) continue;
     const olx_sampler *sampler = &tile->rays->samplers[tile->pixel[k]];
     const uint32_t seed = olx_sampler_split(sampler, OLX_GLOSSY_BRANCH).seed, count = glossy_count(tile, shading);
+    const olx_vec3 view = olx_negate(tile->rays->directions[tile->pixel[k]]);
     for (uint32_t j = 0; j < count; j++) {
-      add_glossy(tile, &bundle, k, olx_stratified2(sampler->index * count + j, seed));
+      const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
+      bundle.count += draw_glossy(shading, view, random, next_ray(tile, &bundle, k));
     }
   }
   follow_bundle(tile, &bundle);

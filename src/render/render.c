@@ -194,10 +194,6 @@ static olx_result check_settings(const olx_render_settings *s, const olx_field *
     return olx_fail(OLX_ERROR_ARGUMENT, "%u glossy rays are not within 1 to %d", s->glossy_samples,
                     OLX_PICTURE_LOBE_SAMPLES_MOST);
   }
-  if (s->lobe_reads > OLX_MOST_LOBE_READS) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "%u directions of a lobe are not within 0 to %u", s->lobe_reads,
-                    OLX_MOST_LOBE_READS);
-  }
   if (!(s->dim_lobe >= 0.0f && s->dim_lobe <= 1.0f)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a dim lobe's reflectance of %g is not within 0 to 1", (double)s->dim_lobe);
   }

@@ -19,11 +19,24 @@ olx_gpu_light read_light(uint index) {
                        state[at + 17u], uintBitsToFloat(state[at + 18u]), uintBitsToFloat(state[at + 19u]));
 }
 
-// The direct light at a place: irradiance, and its luminance by lights without area, along the way to them; and, kept
-// apart for surfels, light of lamps close by and of surfaces near lamps.
+// The direct light at a place: irradiance, and its luminance by lights without area, along the way to them.
 struct lit_sum {
-  vec3 irradiance, beam, close, near;
+  vec3 irradiance, beam;
 };
+
+#ifdef RELIGHT_SURFELS
+// Light of lamps close by and of surfaces near lamps is kept apart for surfels. It goes straight into the stored means
+// of `sequence` earlier samples, so that no registers hold it while rays are traced.
+
+void begin_apart(uint part, uint sequence) {
+  uint at = part + 3u * surfel_of(thread_index());
+  if ((call.flags & OLX_CALL_BEGINS) != 0u) set_state(at, state_vector(at) * (1.0 - 1.0 / float(sequence + 1u)));
+}
+
+void add_apart(uint part, uint sequence, vec3 found) {
+  uint at = part + 3u * surfel_of(thread_index());
+  set_state(at, state_vector(at) + found * (1.0 / float(sequence + 1u)));
+}
 
 olx_gpu_lamp_point read_lamp_point(uint index) {
   uint at = relight.lamp_points + OLX_LAMP_POINT_WORDS * index;
@@ -43,13 +56,29 @@ olx_gpu_lamp_point draw_lamp_point(float random) {
   return read_lamp_point(low);
 }
 
+bool is_lamp_point(uint index) { return index >= relight.light_count; }
+
+bool aim_at_lamp_point(lit_place p, uint light_sample, out olx_light_ray ray) {
+  float random = olx_stratified2(p.sequence * OLX_LAMP_SAMPLES + light_sample, olx_hash2(p.seed, OLX_SALT_LAMP)).x;
+  return olx_aim_near(draw_lamp_point(random), p.position, p.normal, ray);
+}
+
+// Keeps light apart that links do not carry; returns whether it does.
+bool keep_apart(lit_place p, uint index, float near_radius, float length_metres, vec3 found) {
+  bool near = is_lamp_point(index);
+  if (!near && length_metres >= near_radius * (1.0 - OLX_END_SHARE)) return false;
+  add_apart(near ? relight.near : relight.close, p.sequence, found);
+  return true;
+}
+#else
+bool is_lamp_point(uint index) { return false; }
+bool aim_at_lamp_point(lit_place p, uint light_sample, out olx_light_ray ray) { return false; }
+bool keep_apart(lit_place p, uint index, float near_radius, float length_metres, vec3 found) { return false; }
+#endif
+
 // Draws a ray of a place to a light, or to a surface near a lamp; false when no light comes from there.
 bool draw_ray(lit_place p, uint index, uint light_sample, uint samples, olx_gpu_light light, out olx_light_ray ray) {
-  if (index >= relight.light_count) {
-    float random =
-        olx_stratified2(p.sequence * OLX_LAMP_SAMPLES + light_sample, olx_hash2(p.seed, OLX_SALT_LAMP)).x;
-    return olx_aim_near(draw_lamp_point(random), p.position, p.normal, ray);
-  }
+  if (is_lamp_point(index)) return aim_at_lamp_point(p, light_sample, ray);
   vec2 random = vec2(0.0);
   uint seed = olx_hash3(p.seed, index, OLX_SALT_LIGHT);
   if (samples > 0u) random = olx_stratified2(p.sequence * samples + light_sample, seed);
@@ -63,22 +92,17 @@ void add_light(lit_place p, olx_gpu_light light, uint index, uint light_sample, 
   olx_trace_hit hit = olx_trace(olx_sample_settings_default(), p.position, ray.direction, ray.length_metres);
   if (hit.status != OLX_TRACE_MISS) return;
   vec3 found = ray.irradiance * (1.0 / float(max(samples, 1u)));
-  if (index >= relight.light_count) {
-    sum.near += found;
-  } else if (ray.length_metres < light.emission.w * (1.0 - OLX_END_SHARE)) {
-    sum.close += found;
-  } else {
-    sum.irradiance += found;
-    if (samples == 0u) sum.beam += ray.direction * olx_luminance(found);
-  }
+  if (keep_apart(p, index, light.emission.w, ray.length_metres, found)) return;
+  sum.irradiance += found;
+  if (samples == 0u) sum.beam += ray.direction * olx_luminance(found);
 }
 
 // Returns the light of this dispatch's rays. Lights without an area take one ray.
 lit_sum light_place(lit_place p) {
   uint index = call.light, light_sample = call.light_sample;
-  lit_sum sum = lit_sum(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+  lit_sum sum = lit_sum(vec3(0.0), vec3(0.0));
   for (uint k = 0u; k < call.rays; k++) {
-    bool lamps = index >= relight.light_count;
+    bool lamps = is_lamp_point(index);
     olx_gpu_light light = read_light(lamps ? 0u : index);
     uint samples = lamps ? OLX_LAMP_SAMPLES : olx_light_varies(light) ? relight.light_samples : 0u;
     add_light(p, light, index, light_sample, samples, sum);

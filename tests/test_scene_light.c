@@ -1,5 +1,8 @@
 // Tests the solved light of scenes against path tracing, against the known light of sealed rooms, and against solutions
 // with other threads and other random numbers.
+#include "bake/volume/volume_light.h"
+#include "core/harmonics.h"
+#include "field/harmonic_data.h"
 #include "light/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
@@ -294,13 +297,18 @@ static olx_scene_light *solve_fixture(const olx_scene *scene, float noise) {
   return light;
 }
 
+// Returns the power that the plate catches, for an intensity of 1: the solid angle of the plate.
+static float caught_by_plate(void) {
+  const float half = 0.5f * plate_side;
+  return 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
+}
+
 // The plate reflects half of the light that it catches, to a black room like a small lamp of that power.
 static void the_light_of_a_fixture_is_all_there(void **state) {
   (void)state;
   olx_scene *scene = fixture_room(0.0f);
   olx_scene_light *light = solve_fixture(scene, 0.02f);
-  const float half = 0.5f * plate_side, height = 1.0f + lamp_height + lamp_gap;
-  const float caught = 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
+  const float height = 1.0f + lamp_height + lamp_gap, caught = caught_by_plate();
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < 16; i++) {
     const olx_vec2 uv = olx_hammersley(i, 16);
@@ -331,6 +339,82 @@ static void a_lamp_in_its_fixture_costs_few_rays(void **state) {
   olx_scene_free(scene);
 }
 
+// A probe of the volume in a black room sees the lit plate alone, which is so bright beside the lamp that the rays that
+// happen to end there would decide the light.
+static void the_volume_has_the_light_of_a_fixture(void **state) {
+  (void)state;
+  enum { PROBES = 16 };
+  olx_scene *scene = fixture_room(0.0f);
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_volume_light volume = {.scene = scene, .light = light, .rays = 256};
+  olx_vec3 places[PROBES];
+  uint16_t halves[PROBES * OLX_VOLUME_HALVES];
+  for (uint32_t i = 0; i < PROBES; i++) places[i] = olx_v3(0.3f, -0.2f - 0.04f * (float)i, 0.2f);
+  assert_int_equal(olx_volume_light_make(&volume, places, PROBES, halves), OLX_OK);
+  double worst = 0.0;
+  for (uint32_t i = 0; i < PROBES; i++) {
+    const olx_vec3 way = olx_sub(olx_v3(0.0f, lamp_height + lamp_gap, 0.0f), places[i]);
+    float values[OLX_HARMONICS_MOST];
+    olx_harmonics_at(olx_normalize(way), values);
+    const float found = olx_harmonics_irradiance(halves + OLX_VOLUME_HALVES * i, OLX_VOLUME_BANDS, values).x;
+    const float squared = olx_dot(way, way), cosine = way.y / sqrtf(squared);
+    // Three bands of harmonics make the light of one direction 17/16 as bright as it is.
+    const float wanted = 17.0f / 16.0f * 0.5f * caught_by_plate() / OLX_PI * cosine / squared;
+    worst = fmax(worst, fabs((double)(found / wanted) - 1.0));
+  }
+  print_message("light of the fixture in the volume: off by %.4f at most\n", worst);
+  assert_true(worst < 0.1);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
+// Makes a room of side 3 with a lamp, a table, and above it a small screen in a frame. On the screen surfels are as
+// sparse as its distance to the walls allows, although light changes along the frame and towards the table.
+static olx_scene *screen_room(float height, float width) {
+  const float depth = 0.06f, back = -0.3f;
+  olx_scene *scene = made_scene();
+  olx_material white = olx_material_default();
+  white.base_color = olx_splat(0.5f);
+  white.specular_weight = 0.0f;
+  const uint32_t paint = made_material(scene, &white);
+  const olx_vec3 out = {depth, 0.0f, 0.0f}, up = {0.0f, height, 0.0f}, along = {0.0f, 0.0f, width};
+  made_room(scene, olx_splat(0.0f), 3.0f, paint);
+  made_quad(scene, olx_v3(-0.2f, -0.1f - 0.5f * height, 0.0f), olx_v3(0.6f, 0.0f, 0.0f), olx_v3(0.0f, 0.0f, 1.2f),
+            paint);
+  made_quad(scene, olx_v3(back, 0.0f, 0.0f), up, along, paint);
+  for (float side = -0.5f; side < 1.0f; side += 1.0f) {
+    const olx_vec3 middle = {back + 0.5f * depth, 0.0f, 0.0f};
+    made_quad(scene, olx_madd(middle, up, side), out, along, paint);
+    made_quad(scene, olx_madd(middle, along, side), out, up, paint);
+  }
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .position = olx_v3(0.5f, 0.6f, 0.3f), .emission = olx_splat(1.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  return made_finish(scene);
+}
+
+static void few_surfels_are_not_trusted_where_their_light_differs(void **state) {
+  (void)state;
+  enum { SCREEN_POINTS = 128, PATHS = 1024 };
+  const float height = 0.3f, width = 0.7f;
+  olx_scene *scene = screen_room(height, width);
+  olx_scene_light *light = solve_fixture(scene, 0.03f);
+  uint32_t wrong = 0;
+  for (uint32_t i = 0; i < SCREEN_POINTS; i++) {
+    const olx_vec2 uv = olx_hammersley(i, SCREEN_POINTS);
+    const olx_ray ray = {olx_v3(-0.2f, 0.95f * height * (uv.x - 0.5f), 0.95f * width * (uv.y - 0.5f)),
+                         olx_v3(-1.0f, 0.0f, 0.0f), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface screen = olx_surface_at(scene, &hit, ray.direction);
+    uint64_t rays = 0;
+    const float wanted = olx_luminance(olx_path_surface_irradiance(scene, &screen, 32, PATHS, i, &rays));
+    wrong += fabsf(olx_luminance(olx_scene_light_irradiance(light, &screen)) / wanted - 1.0f) > 0.1f;
+  }
+  print_message("light of the screen: off by more than 10 %% at %u of %u points\n", wrong, SCREEN_POINTS);
+  assert_true(wrong < SCREEN_POINTS / 16);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -341,6 +425,8 @@ int main(void) {
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
       cmocka_unit_test(the_light_of_a_fixture_is_all_there),
       cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
+      cmocka_unit_test(the_volume_has_the_light_of_a_fixture),
+      cmocka_unit_test(few_surfels_are_not_trusted_where_their_light_differs),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #define OCTALUX_BENCH_SURFACES_H
 
 #include "experiment.h"
+#include "picture_blocks.h"
 
 typedef struct surface_run {
   bench *b;
@@ -33,13 +34,8 @@ enum { SURFACE_MODES = 4 };
 // Returns settings for images through pixel centres in a mode.
 bench_way surface_mode(const surface_run *r, const olx_field *field, uint32_t mode);
 
-// Returns the mean indirect diffuse light of an image, summed over channels; NaN without an image.
-double surface_mean_light(const olx_image *image);
+// Returns the mean indirect diffuse light of a camera's image, summed over channels; NaN without an image.
 double surface_camera_light(bench_images *images, uint32_t camera);
-// Returns the mean light of a block of `side` x `side` pixels.
-double surface_block_light(const olx_image *image, uint32_t left, uint32_t top, uint32_t side);
-// Computes the least and the greatest ratio of light over blocks of 8 x 8 pixels that are not dark in the reference.
-void surface_compare_blocks(const olx_image *image, const olx_image *reference, double *least, double *most);
 
 // Measures the processor time per point in the diffuse pass in nanoseconds, from light stored at surfaces and from
 // irradiance probes. Both are rendered in turns; the result is the median.

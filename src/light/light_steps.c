@@ -321,6 +321,10 @@ static olx_result measure_noise(olx_scene_light *l, float *noise) {
   return result;
 }
 
+float olx_scene_light_deviation(const olx_scene_light *l, uint32_t surfel) {
+  return l->noise[surfel] * sqrtf(l->links.worth[surfel] / INTERPOLATED_VARIANCE);
+}
+
 // Returns the number of guided rays that reduce a surfel's noise to the bound: 0, or first_rays times a power of two.
 static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noise, uint32_t most) {
   const float ratio = noise / l->settings.noise;

@@ -120,10 +120,6 @@ typedef struct way {
   olx_sampler sampler;
 } way;
 
-// Rays of surfels see lights without area in smooth surfaces as in lobes of this alpha (roughness 0.32). A smoother lobe
-// shows a light to one ray in thousands, which then brings thousands of times the mean.
-static const float LEAST_ALPHA = 0.1f;
-
 static const uint64_t lights_needed = UINT64_C(1) << OLX_INPUT_LIGHTS;
 
 // Adds light after `surfaces` surfaces between its emitter and the start of the path.
@@ -145,7 +141,7 @@ static void add_near_lamps(const cast_job *c, const olx_surface *surface, float 
   const olx_near_lamps *lamps = &c->surfels->lamps;
   if (lamps->count == 0) return;
   end->needs |= lights_needed | lamps->needs;
-  const olx_vec3 irradiance = olx_near_lamps_irradiance(lamps, c->surfels->scene, surface, sampler, &end->cast);
+  const olx_vec3 irradiance = olx_lamp_irradiance(lamps, c->surfels->scene, surface, sampler, &end->cast);
   add_light(end, 1, olx_scale(irradiance, factor / OLX_PI));
 }
 
@@ -169,7 +165,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
   const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
   if (c->surfels->lamps.count > 0 && w->chain + 1 < OLX_CHAIN_MOST) {
-    const olx_lobes near = olx_near_lamps_light(&c->surfels->lamps, scene, shading, &w->sampler, rays);
+    const olx_lobes near = olx_lamp_light(&c->surfels->lamps, scene, shading, &w->sampler, rays);
     end->needs |= c->surfels->lamps.needs;
     add_light(end, w->chain + 2, olx_mul(w->throughput, near.specular));
   }
@@ -191,7 +187,7 @@ static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, 
   end->link = no_link;
   if (w->chain + 1 == OLX_CHAIN_MOST) return false;
   if (c->surfels->lamps.count > 0) {
-    const olx_vec3 near = olx_near_lamps_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
+    const olx_vec3 near = olx_lamp_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
     end->needs |= c->surfels->lamps.needs;
     add_light(end, w->chain + 2, olx_scale(olx_mul(weight, near), 1.0f / OLX_PI));
   }
@@ -234,7 +230,7 @@ static void follow(const cast_job *c, way *w, ray_end *end, uint64_t *rays) {
     }
     olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     shading.dark = dark_of(c, w);
-    shading.least_alpha = LEAST_ALPHA;
+    shading.least_alpha = OLX_LEAST_LAMP_ALPHA;
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&w->sampler) >= share)) {
       const olx_vec3 weight = olx_scale(olx_mul(w->throughput, shading.diffuse), 1.0f / (1.0f - share));

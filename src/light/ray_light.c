@@ -2,57 +2,94 @@
 // solved light.
 #include "light/ray_light.h"
 
+#include "light/light_surfels.h"
 #include "scene/bvh.h"
 
 enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on before it is dropped
 
-// Returns the light that the diffuse lobe reflects.
-static olx_vec3 diffuse_light(const olx_scene *scene, const olx_scene_light *light, float indirect,
-                              const olx_ray_hit *hit, const olx_surface *surface, olx_vec3 reflectance,
-                              olx_sampler *sampler, uint64_t *rays) {
+// What a ray is shaded with.
+typedef struct ray_shade {
+  const olx_scene *scene;
+  const olx_scene_light *light;
+  const olx_near_lamps *lamps; // sampled apart from the ray; NULL: they are not
+  olx_sampler *sampler;
+  uint64_t *rays;
+} ray_shade;
+
+// Returns the light that the diffuse lobe reflects. `dark` may be NULL.
+static olx_vec3 diffuse_light(const ray_shade *s, float indirect, const olx_ray_hit *hit, const olx_surface *surface,
+                              olx_vec3 reflectance, const float *dark) {
   if (olx_max3(reflectance) <= 0.0f) return olx_splat(0.0f);
-  const olx_vec3 direct = olx_direct_irradiance(scene, surface, sampler, rays);
+  const olx_vec3 direct = olx_direct_irradiance_but(s->scene, surface, dark, s->sampler, s->rays);
   olx_surface smooth = *surface;
-  smooth.shading_normal = olx_surface_vertex_normal(scene, hit, surface);
-  const olx_vec3 irradiance = olx_madd(direct, olx_scene_light_irradiance_before(light, &smooth), indirect);
+  smooth.shading_normal = olx_surface_vertex_normal(s->scene, hit, surface);
+  const olx_vec3 irradiance = olx_madd(direct, olx_scene_light_irradiance_before(s->light, &smooth), indirect);
   return olx_scale(olx_mul(irradiance, reflectance), 1.0f / OLX_PI);
 }
 
-olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces, const olx_ray *first,
-                       const olx_ray_hit *met, olx_sampler *sampler, uint64_t *rays) {
+// Returns the light of sampled emitters that the specular lobe reflects, and that of surfaces near lamps where they are
+// sampled apart from the ray and `more` surfaces may lie between emitter and origin.
+static olx_vec3 specular_light(const ray_shade *s, const olx_shading *shading, bool more) {
+  const olx_vec3 found = olx_direct_light_sampled(s->scene, shading, OLX_MIS_EACH_LOBE, s->sampler, s->rays).specular;
+  if (!s->lamps || !more) return found;
+  return olx_add(found, olx_lamp_light(s->lamps, s->scene, shading, s->sampler, s->rays).specular);
+}
+
+static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *first, const olx_ray_hit *met) {
   olx_vec3 sum = {0}, throughput = olx_splat(1.0f), origin = first->origin;
   olx_lobe_ray lobe = {.direction = first->direction};
   olx_ray_hit hit = *met;
   const uint32_t most = bounces < MOST_SPECULAR ? bounces : MOST_SPECULAR;
-  const float further = 1.0f - (float)olx_scene_light_describe(light).last_bounce;
+  const float further = 1.0f - (float)olx_scene_light_describe(s->light).last_bounce;
   float indirect = 1.0f;
-  for (uint32_t i = bounces; i < olx_scene_light_bounces(light); i++) indirect *= further;
+  for (uint32_t i = bounces; i < olx_scene_light_bounces(s->light); i++) indirect *= further;
   for (uint32_t passed = 0; passed <= most; passed++) {
     if (hit.triangle == OLX_NO_HIT) {
-      return passed ? olx_add(sum, olx_mul(throughput, olx_sky_found(scene, &lobe))) : sum;
+      return passed ? olx_add(sum, olx_mul(throughput, olx_sky_found(s->scene, &lobe))) : sum;
     }
-    const olx_surface surface = olx_surface_at(scene, &hit, lobe.direction);
-    if (passed) sum = olx_add(sum, olx_mul(throughput, olx_emission_found(scene, &surface, origin, &lobe)));
+    const olx_surface surface = olx_surface_at(s->scene, &hit, lobe.direction);
+    if (passed) sum = olx_add(sum, olx_mul(throughput, olx_emission_found(s->scene, &surface, origin, &lobe)));
     if (passed == bounces) break;
-    const olx_shading shading = olx_shading_make(&surface, lobe.direction);
+    olx_shading shading = olx_shading_make(&surface, lobe.direction);
+    // A mirror reflects no light of points, but the rays that it reflects find their surfaces.
+    shading.dark = s->lamps && !(passed && lobe.pdf <= 0.0f) ? s->lamps->radius : NULL;
+    shading.least_alpha = s->lamps ? OLX_LEAST_LAMP_ALPHA : 0.0f;
     const float share = shading.has_specular ? shading.specular_share : 0.0f;
-    if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(sampler) >= share)) {
+    if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(s->sampler) >= share)) {
       const olx_vec3 reflectance = olx_scale(shading.diffuse, 1.0f / (1.0f - share));
-      const olx_vec3 light_back = diffuse_light(scene, light, indirect, &hit, &surface, reflectance, sampler, rays);
+      const olx_vec3 light_back = diffuse_light(s, indirect, &hit, &surface, reflectance, shading.dark);
       return olx_add(sum, olx_mul(throughput, light_back));
     }
     if (passed == most) break;
     indirect *= further;
     throughput = olx_scale(throughput, 1.0f / share);
-    const olx_lobes lit = olx_direct_light_sampled(scene, &shading, OLX_MIS_EACH_LOBE, sampler, rays);
-    sum = olx_add(sum, olx_mul(throughput, lit.specular));
-    lobe = olx_lobe_ray_specular(&shading, olx_sampler_next2(sampler));
+    sum = olx_add(sum, olx_mul(throughput, specular_light(s, &shading, passed + 2 <= bounces)));
+    lobe = olx_lobe_ray_specular(&shading, olx_sampler_next2(s->sampler));
     throughput = olx_mul(throughput, lobe.weight);
     if (olx_max3(throughput) <= 0.0f) break;
     const olx_ray ray = olx_surface_ray(&surface, lobe.direction, INFINITY);
     origin = surface.position;
-    ++*rays;
-    hit = olx_bvh_intersect(scene->bvh, &ray);
+    ++*s->rays;
+    hit = olx_bvh_intersect(s->scene->bvh, &ray);
   }
   return sum;
+}
+
+olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces, const olx_ray *ray,
+                       const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays) {
+  const ray_shade s = {scene, light, NULL, sampler, rays};
+  return follow(&s, bounces, ray, hit);
+}
+
+olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces,
+                                      const olx_ray *ray, const olx_ray_hit *hit, olx_sampler *sampler,
+                                      uint64_t *rays) {
+  const olx_near_lamps *lamps = &olx_scene_light_open(light).surfels->lamps;
+  const ray_shade s = {scene, light, lamps->count ? lamps : NULL, sampler, rays};
+  return follow(&s, bounces, ray, hit);
+}
+
+bool olx_scene_light_beam(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position, olx_sampler *sampler,
+                          olx_lamp_beam *beam, uint64_t *rays) {
+  return olx_lamp_light_draw(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, beam, rays);
 }

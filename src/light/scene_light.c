@@ -11,11 +11,15 @@
 enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
+  FEW_NEIGHBOURS = 8,   // fewer surfels determine a slope badly
   SALT_GATHER = 0x47415448
 };
 
 // Light is not interpolated where the standard deviation over the neighbours is above this share of the mean.
 static const float ROUGH_SPREAD = 0.3f;
+// Where few surfels determine it, it is not interpolated above this share either, unless the rays that the point would
+// cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed, too.
+static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
@@ -101,6 +105,19 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *sur
   return olx_links_gather(&l->surfels, surface, pool, seed, &light, row);
 }
 
+// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
+static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+  float sum = 0.0f, deviation = 0.0f;
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const float weight = fabsf(weights->weight[i]);
+    sum += weight;
+    deviation += weight * olx_scene_light_deviation(l, weights->surfel[i]);
+  }
+  const float error = deviation / (sum * sqrtf(OLX_GATHER_RAYS));
+  return olx_clamp(FEW_NOISE * error, FEW_SPREAD, ROUGH_SPREAD);
+}
+
 // Returns whether light varies too much between the neighbours to be interpolated.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
@@ -111,7 +128,7 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
     square += weight * light * light;
   }
   mean /= sum;
-  return square / sum - mean * mean > ROUGH_SPREAD * ROUGH_SPREAD * mean * mean;
+  return square / sum - mean * mean > olx_square(most_spread(l, weights) * mean);
 }
 
 // Interpolates `light`, one value per neighbour in their order.

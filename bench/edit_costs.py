@@ -8,7 +8,7 @@ SCENE.json is a description with a light of type sun or point. A chair is added,
 baked once afresh and once in a copy of that folder: nothing, the colour of the chair (with --material, of that
 material), a chair moved by half a metre, and the first light moved. Every field has to be that of the fresh bake, byte
 for byte; otherwise the exit status is 1. The table gives processor times, with loading, and the share of rays that were
-cast again.
+cast, among them those that are never reused: where surfels are, and their direct light.
 """
 import argparse
 import copy
@@ -21,7 +21,6 @@ import subprocess
 import sys
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent
 BOXES = [((0, 0.42, 0), (0.45, 0.47, 0.45)), ((0, 0.47, 0), (0.45, 0.95, 0.04)), ((0, 0, 0), (0.04, 0.42, 0.04)),
          ((0.41, 0, 0), (0.45, 0.42, 0.04)), ((0, 0, 0.41), (0.04, 0.42, 0.45)), ((0.41, 0, 0.41), (0.45, 0.42, 0.45))]
 
@@ -84,7 +83,8 @@ def main():
     end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
     given = parser.parse_args(sys.argv[1:end])
     given.options = sys.argv[end + 1:]
-    given.octalux = shutil.which(given.octalux) and str(pathlib.Path(shutil.which(given.octalux)).resolve()) or sys.exit(f"{given.octalux}: not found")
+    program = shutil.which(given.octalux) or sys.exit(f"{given.octalux}: not found")
+    octalux = str(pathlib.Path(program).resolve())
     first = read_scene(given.scene, [float(x) for x in given.chair.split(",")])
     edits = [("nothing", lambda scene: None), ("a colour", colour(given.material)), ("a chair", move_chair),
              ("a light", move_light)]
@@ -94,7 +94,7 @@ def main():
         shutil.copy(given.probes, folder / "probes.json")
         (folder / "scene.json").write_text(json.dumps(first))
         kept = ["--keep-work", "--explain", *given.options]
-        seconds, _ = bake(given.octalux, folder, "first.olx", ["--work", "kept", *kept])
+        seconds, _ = bake(octalux, folder, "first.olx", ["--work", "kept", *kept])
         size = sum(file.stat().st_size for file in (folder / "kept").iterdir())
         print(f"first bake {seconds:.2f} s, kept folder {size / 1e6:.1f} MB", flush=True)
         print("| edit | fresh, s | edited, s | share | rays cast again |\n| --- | --- | --- | --- | --- |", flush=True)
@@ -104,10 +104,10 @@ def main():
             (folder / "scene.json").write_text(json.dumps(scene))
             shutil.copytree(folder / "kept", folder / "work")
             (folder / "work").chmod(0o700)
-            edited, report = bake(given.octalux, folder, "edited.olx", ["--work", "work", *kept])
-            fresh, whole = bake(given.octalux, folder, "fresh.olx", ["--no-work", *given.options])
+            edited, report = bake(octalux, folder, "edited.olx", ["--work", "work", *kept])
+            fresh, _ = bake(octalux, folder, "fresh.olx", ["--no-work", *given.options])
             shutil.rmtree(folder / "work", ignore_errors=True)
-            again = 1 - report["reused_rays"] / whole["rays"] if what != "nothing" else 0
+            again = 1 - report["reused_rays"] / report["rays"] if what != "nothing" else 0
             print(f"| {what} | {fresh:.2f} | {edited:.2f} | {edited / fresh:.0%} | {again:.0%} |", flush=True)
             if (folder / "edited.olx").read_bytes() != (folder / "fresh.olx").read_bytes():
                 sys.exit(f"{what}: not the field of a fresh bake")

@@ -258,7 +258,8 @@ static int bake_scene(const olx_scene *scene, const bake_command *c, const char 
   if (c->json) return print_bake_json(settings, &stats, units);
   print_bake(path, settings, &stats);
   if (!units) return EXIT_DONE;
-  printf("  reused   %" PRIu64 " rays from before an edit of the scene\n", stats.reused_rays);
+  printf("  reused   %" PRIu64 " of %" PRIu64 " rays from before an edit of the scene\n", stats.reused_rays,
+         stats.rays);
   print_work_report(units);
   return EXIT_DONE;
 }

@@ -139,7 +139,8 @@ bool olx_bake_keeps_probe_light(const olx_bake_settings *settings);
 olx_grid olx_bake_irradiance_grid(const olx_grid *grid);
 
 typedef struct olx_bake_stats {
-  uint64_t rays;                        // primary, shadow and bounce rays together
+  uint64_t rays;                        // primary, shadow and bounce rays together; where rays are kept for bakes of
+                                        // the edited scene, with those that texels gather light by
   uint64_t primary_rays;                // of the light field probes
   double seconds;                       // everything except writing the file
   double light_seconds;                 // of `seconds`, for solving the light of the scene

@@ -32,7 +32,7 @@ static bool clip(float origin, float direction, float low, float high, float mar
   const float a = (low - margin - origin) / direction, b = (high + margin - origin) / direction;
   range[0] = olx_max(range[0], olx_min(a, b));
   range[1] = olx_min(range[1], olx_max(a, b));
-  return range[0] <= range[1];
+  return range[0] <= range[1] && range[0] < INFINITY;
 }
 
 static axis_walk begin_walk(float origin, float direction, float from, float low, float side, uint32_t count) {

@@ -30,6 +30,8 @@ const bench_study studies[] = {
      study_block_quality},
     {"farm-simulation", "UNITS.jsonl PROBES NODES [MB_A_SECOND] [LOADING_SECONDS] [CLOCK_FACTOR] [PLAN_SECONDS]", 3, 7,
      "how long a bake takes on many machines, by the rule that deals its units", study_farm_simulation},
+    {"relight-causes", "SCENE MOVED CAMERA [MAP] [NOISE] [X Y Z]", 3, 8,
+     "relit light against fresh bakes, bounce by bounce", study_relight_causes},
     {"seams", "SCENE FIELD.olx IMAGE.exr [CAMERA]", 3, 4, "whether a picture shows the borders of cages", study_seams},
     {"scene-arrays", "SCENE FOLDER [CAMERA]", 2, 3, "a scene as plain arrays, for other renderers", study_scene_arrays},
 };

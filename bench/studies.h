@@ -10,7 +10,7 @@ typedef struct bench_study {
   const char *name;      // name on the command line
   const char *arguments; // form of the arguments in the help; NULL: the study parses and documents its own options
   uint32_t least, most;  // least and greatest number of arguments
-  const char *what;                  // one line, for lists
+  const char *what;      // one line, for lists
   int (*run)(int argc, char **argv); // argv[0] is its name; returns the program's exit code
 } bench_study;
 
@@ -36,6 +36,7 @@ int study_placement_check(int argc, char **argv);
 int study_probe_sets(int argc, char **argv);
 int study_viewpoint_limit(int argc, char **argv);
 int study_farm_simulation(int argc, char **argv);
+int study_relight_causes(int argc, char **argv);
 int study_seams(int argc, char **argv);
 int study_scene_arrays(int argc, char **argv);
 

@@ -41,9 +41,12 @@ fi
 
 # missing_of PACKAGE...: prints those that are not installed, one a line.
 missing_of() {
+  [ $# -gt 0 ] || return 0
+  local installed
+  installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)
   local package
   for package; do
-    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || echo "$package"
+    [[ $'\n'$installed$'\n' == *$'\n'"installed $package"$'\n'* ]] || echo "$package"
   done
 }
 mapfile -t missing < <(missing_of "${needed[@]}")

@@ -105,6 +105,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_RELIGHT_BINDINGS 3
 #define OLX_RELIGHT_GROUP 64 // threads of a workgroup
 #define OLX_LIGHT_WORDS 20u
+#define OLX_LAMP_POINT_WORDS 12u // of olx_gpu_lamp_point
 #define OLX_TILE_WORDS 4u // of a scheduled tile: probe, first x, first y, samples that its direct light is the mean of
 #if defined(GL_core_profile) || defined(GL_ES)
 #define OLX_LIGHT_SUN 0u
@@ -119,6 +120,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_CALL_BEGINS 1u
 #define OLX_CALL_ENDS 2u
 #define OLX_CALL_SHINES 4u // of a dispatch that follows links: highlights are recomputed
+#define OLX_CALL_ALL 8u    // of a dispatch that sums the light of surfels: with that of lamps close by
 
 #define OLX_SELECT_GPU_MASK 0xBu // bits (1 << olx_select) of the stored selectors that have a twin
 
@@ -368,8 +370,10 @@ typedef struct olx_gpu_uvec4 {
 // The greatest brightness of a lobe relative to a white matte surface: beyond that, single links would be too bright
 // for the solid angle that they represent.
 #define OLX_MOST_BRIGHT 2.0f
-#define OLX_LIT_SIDE 4u // texels along a side of a block whose samples of lights are stratified together
+#define OLX_LIT_SIDE 4u     // texels along a side of a block whose samples of lights are stratified together
+#define OLX_LAMP_SAMPLES 2u // rays from a surfel's point to surfaces near lamps
 #define OLX_SALT_LIGHT 0x524C4954u
+#define OLX_SALT_LAMP 0x524C4C50u
 #define OLX_SALT_SURFEL 0x53464C52u
 #define OLX_SALT_TEXEL 0x5445584Cu
 
@@ -429,23 +433,31 @@ OLX_GPU_STRUCT(olx_gpu_probe) {
 
 // A light, as olx_light (octalux/light.h) has it; the direction of a sun or spot is stored in edge_u.
 OLX_GPU_STRUCT(olx_gpu_light) {
-  olx_gpu_vec4 emission, position, edge_u, edge_v; // xyz
+  olx_gpu_vec4 emission;                 // xyz; w: the radius within which surfaces are near the lamp
+  olx_gpu_vec4 position, edge_u, edge_v; // xyz
   olx_gpu_uint type, both_sides;
   olx_gpu_float cosine_inner, cosine_outer;
 };
+
+// A point of a surface near a lamp (src/field/near_lamps.h). In w: the sum of the probabilities of the points before,
+// the square of the least distance, and the point's probability.
+OLX_GPU_STRUCT(olx_gpu_lamp_point) { olx_gpu_vec4 position, normal, intensity; };
 
 // A relighter: the offsets of its parts, in words. A vector takes three words.
 OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint surfels, volume_probes;
   olx_gpu_uint light_samples;
+  olx_gpu_uint light_count, lamp_point_count;
   olx_gpu_uint tile_side, tile_words; // texels along a tile of a map, and words of it with the border that repeats them
   // Parts of the state, as offsets from the end of this struct.
   olx_gpu_uint lights, tiles;                // lights, and scheduled tiles
   olx_gpu_uint direct, irradiance, values;   // vectors of surfels; until an update ends, values are sums over rays
   olx_gpu_uint beams, beam_sums, highlights; // vectors of surfels; beam_sums are sums over rays
-  olx_gpu_uint sums;                         // change and light of each workgroup that follows links
-  olx_gpu_uint tile_light;                   // vectors of scheduled tiles: sums over rays
-  olx_gpu_uint tile_direct, tile_indirect;   // tile_words for each of them
+  olx_gpu_uint close, near;                  // vectors of surfels
+  olx_gpu_uint lamp_points;
+  olx_gpu_uint sums;                       // change and light of each workgroup that follows links
+  olx_gpu_uint tile_light;                 // vectors of scheduled tiles: sums over rays
+  olx_gpu_uint tile_direct, tile_indirect; // tile_words for each of them
   // Parts of the data for relighting, in which surfels or blocks begin at word 0.
   olx_gpu_uint link_starts, links;
   olx_gpu_uint entry_starts, entries, volume_starts, volume_links;

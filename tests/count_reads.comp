@@ -29,10 +29,16 @@ vec4 counted_fetch(sampler2D host_image, ivec2 at, int lod) { return texelFetch(
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (outside_frame(pixel)) return;
-  frame_surface surface;
-  bool found = read_surface(pixel, surface);
+  irradiance_state state = begin_irradiance();
+  bool found = true;
+  for (uint round = 0u; round < 2u; round++) {
+    frame_surface surface;
+    found = read_surface(pixel, surface);
+    if (!found) break;
+    if (round == 0u) look_up_irradiance(pixel, surface, state);
+    else complete_irradiance(pixel, surface, state);
+  }
   // The light is written as well, since compilers would otherwise remove the reads.
-  vec3 light = vec3(0.0);
-  if (found) light = frame_irradiance(pixel, surface);
-  imageStore(irradiance_image, pixel, vec4(float(filtered), float(fetched), light.r, found ? 1.0 : 0.0));
+  imageStore(irradiance_image, pixel,
+             vec4(float(filtered), float(fetched), state.light.irradiance.r, found ? 1.0 : 0.0));
 }

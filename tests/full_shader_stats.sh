@@ -1,2 +1,3 @@
-# Checks the bounds of tests/shader_bounds.tsv on an older chip, polaris10, whose shaders run in waves of 64.
-OLX_CHIP=polaris10 exec bash "$(dirname "$0")/test_shader_stats.sh"
+# Checks the bounds of tests/shader_bounds.tsv for every pipeline, on navi21 and on an older chip, polaris10, whose
+# shaders run in waves of 64.
+OLX_CHIPS="navi21 polaris10" exec bash "$(dirname "$0")/test_shader_stats.sh"

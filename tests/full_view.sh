@@ -8,6 +8,45 @@ cp "$program" alone
 "./alone" view builtin:cornell --field a.olx >stdout.txt 2>stderr.txt && fail "a viewer that is not there ran"
 grep -q "octalux-view is not there" stderr.txt || fail "no word of the missing viewer"
 
+# Every mode and overlay runs without a word of the validation layers.
+expect 0 "${view[@]}" --offscreen --screenshot one.png $validate
+cat >modes.txt <<'SCRIPT'
+press O            # the overlays in their order
+press O
+press O
+press O
+press O
+press O
+press O
+press O
+press O            # none again
+press 2
+press 3
+press 4
+press 1
+press X
+press C
+frames 3
+resize 48x60
+frames 2
+SCRIPT
+expect 0 "${view[@]}" --offscreen --script modes.txt --gather-samples 2 $validate
+
+# Automatic exposure brightens a picture that a twentieth of the light would leave dark.
+expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot followed.png
+check 'mean(p[0]) > 1.2 * mean(p[1])' followed.png one.png
+
+# In a field without probe light, the key skips the overlays that need it.
+"$OCTALUX" bake builtin:cornell-glossy -o plain.olx --radiance-size 64 --bounces 1 --noise 0.3 >stdout.txt 2>stderr.txt
+plain=(view builtin:cornell-glossy --field plain.olx --size 96x80 --offscreen)
+printf 'press %s\n' O O O >skip.txt
+echo "screenshot skipped.png" >>skip.txt
+printf 'press %s\n' Y Y Y >told.txt # keys that do nothing, for as many frames
+echo "screenshot told.png" >>told.txt
+expect 0 "${plain[@]}" --script skip.txt $validate
+expect 0 "${plain[@]}" --overlay answer --script told.txt
+check 'differing(p[0], p[1]) == 0' skipped.png told.png
+
 # When lights move, indirect light follows them or stays as baked, and the same script gives the same pictures.
 printf '{"model": "builtin:cornell", "lights": [{"type": "point", "position": [0.1, 0.12, 0.1], "intensity": [0.4, 0.3, 0.5]}]}' >lit.json
 "$OCTALUX" bake lit.json -o lit.olx --grid 2x2x2 --radiance-size 16 --irradiance-size 16 --bounces 4 --relight >stdout.txt 2>stderr.txt

@@ -47,7 +47,6 @@ void march_rows() {
   int n = int(olx_field.n);
   vec2 ahead = olx_crossings_ahead(piece, cell.at, 0), image = vec2(0.0);
   float t1 = olx_parameter_at(piece, min(ahead.x, ahead.y));
-  float far_squared = olx_farthest_squared(march, cell.t, t1);
   olx_stand at;
   float stored;
   olx_piece_end end = olx_end_at(march, piece.sign, ray.t_min + 0.3 * random.x);
@@ -99,8 +98,9 @@ void march_rows() {
     put(b = olx_reaches_plane(march, cell.at, cell.t, t1, stored)), put(march.steps);
     if (b) put(stored);
     break;
-  case ROW_olx_visit_texel:
-    put(olx_visit_texel(march, piece, cell, t1, far_squared, answer)), put_answer(answer), put(march.steps);
+  case ROW_olx_reaches_texel:
+    put(b = olx_reaches_texel(march, cell.at, cell.t, t1, stored)), put(march.steps);
+    if (b) put(stored);
     break;
   case ROW_olx_next_cell: cell = olx_next_cell(piece, cell, random.xy, t1), put(cell.at), put(cell.t); break;
   case ROW_olx_crossings_ahead: put(olx_crossings_ahead(piece, cell.at >> 2, 2)); break;

@@ -11,6 +11,11 @@ olx_gpu_light some_light(uint type) {
                        random.x, random.x - 0.5 * random.y);
 }
 
+// Returns a point of a surface near a lamp, which faces away half of the time.
+olx_gpu_lamp_point some_lamp_point() {
+  return olx_gpu_lamp_point(vec4(point + view * item.v[15], 0.0), vec4(-direction, 0.01), vec4(abs(view), 1.0));
+}
+
 void put_ray(bool lit, olx_light_ray ray) {
   put(lit);
   if (lit) put(ray.direction), put(ray.length_metres), put(ray.irradiance);
@@ -63,6 +68,7 @@ void relight_rows() {
     lit = olx_area_light(some_light(3u + (bits.x & 1u)), point, normal, random.zw, ray), put_ray(lit, ray);
     break;
   case ROW_olx_aim: lit = olx_aim(some_light(bits.x % 6u), point, normal, random.zw, ray), put_ray(lit, ray); break;
+  case ROW_olx_aim_near: lit = olx_aim_near(some_lamp_point(), point, normal, ray), put_ray(lit, ray); break;
   case ROW_olx_tile_texel: put(uvec3(olx_tile_texel(bits.x % 1024u, 32u), 0u)); break;
   case ROW_olx_site_corners:
     for (uint k = 0u; k < 4u; k++) put(some_corners()[k]);

@@ -61,12 +61,12 @@ void surface_rows() {
   case ROW_olx_see_texel: put(olx_see_texel(v, first)); break;
   case ROW_olx_packing_error: put(olx_packing_error(olx_see_texel(v, texel))); break;
   case ROW_olx_texel_agrees: put(olx_texel_agrees(v, olx_see_texel(v, first))); break;
-  case ROW_olx_passes: put(olx_passes(olx_see_texel(v, texel), olx_see_texel(v, first))); break;
-  case ROW_olx_passes_all:
-    put(olx_passes_all(olx_see_texel(v, texel), olx_see_texel(v, first), olx_see_texel(v, first + ivec2(1, 0)),
-                       olx_see_texel(v, first + ivec2(0, 1)), olx_see_texel(v, first + 1),
-                       notEqual(bits & 64u, uvec4(0u))));
-    break;
+  case ROW_olx_texel_step: put(olx_texel_step(v, first, 1.0 + random.x)); break;
+  case ROW_olx_passes: {
+    olx_seen_texel other = olx_see_texel(v, first);
+    put(olx_passes(olx_see_texel(v, texel).step, other.normal, olx_dot(other.normal, other.step),
+                   olx_packing_error(other)));
+  } break;
   case ROW_olx_read_texels: {
     olx_texel_light light = olx_read_texels(settings, probe, place, geometric);
     put(light.sum), put(light.share);
@@ -94,6 +94,15 @@ void surface_rows() {
     mat2x3 e = olx_fallen_back(settings, 6u, point, direction, direction, view, view);
     put(e[0]), put(e[1]);
   } break;
+  case ROW_olx_stored_light: {
+    bool stored;
+    olx_surface_light light = olx_stored_light(settings, bits.z & 1u, place, geometric, stored);
+    put(stored), put(light);
+  } break;
+  case ROW_olx_complete_light:
+    put(olx_complete_light(settings, olx_volume_source(), olx_surface_light(abs(direction), 2u), (bits.z & 2u) != 0u,
+                           place, geometric, geometric, bent, view));
+    break;
   case ROW_olx_surface_light_from:
     put(olx_surface_light_from(settings, bits.z & 1u, place, geometric, geometric, bent, view));
     break;

@@ -43,10 +43,10 @@ def qualities(path):
     return [[row[key] for key in keys] for row in table["rows"]]
 sys.exit(qualities(sys.argv[1]) != qualities(sys.argv[2]))
 PYTHON
-expect 0 mcguire-resolution "${small[@]}" --progress
-grep -q "^| cornell-glossy | 2x2x2 | 256² " stdout.txt || fail "no row of the finest maps"
-grep -q "^Left out: living-room: --quick" stdout.txt || fail "no word of what is left out"
-grep -q "mcguire-resolution: path tracing" stderr.txt || fail "no progress"
+expect 0 surfaces "${small[@]}" --only parlour,sponza --progress
+grep -q "^| parlour " stdout.txt || fail "no row of the parlour"
+grep -q "^Left out: sponza: --quick" stdout.txt || fail "no word of what is left out"
+grep -q "surfaces: path tracing" stderr.txt || fail "no progress"
 
 # --only takes one scene, and reports a scene that a quick run leaves out.
 expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what"] for s in o["skipped"]] == ["sponza"]

@@ -79,7 +79,7 @@ OCTALUX=$OCTALUX_BENCH expect_json 'o["experiment"] == "speed" and o["ratio"] > 
 # A cancelled bake reports it, exits with 130, and touches neither the old field nor the folder.
 cp a.olx old.olx
 ls -A >before.txt
-"$OCTALUX" bake $scene -o old.olx --no-work --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 256 --irradiance-size 8 --bounces 0 \
+"$OCTALUX" bake $scene -o old.olx --no-work --grid 8x8x8 --irradiance-grid 2x2x2 --radiance-size 128 --irradiance-size 8 --bounces 0 --noise 0.5 \
   --progress >stdout.txt 2>stderr.txt &
 bake=$!
 await $bake '%'

@@ -1,7 +1,7 @@
 # Light field probes at positions from `octalux place`, from placement to picture.
 source "$(dirname "$0")/cli/expect.sh"
 scene=builtin:cornell-glossy
-small="--radiance-size 64 --irradiance-size 16 --bounces 1"
+small="--radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.2"
 
 expect 0 place $scene -o probes.json --count 5 --voxels 64 --surfels 4000 --candidates 400 --resolution 64
 expect_json 'o["probes"] == 5 and o["irradiance_probes"] == 27' bake $scene -o free.olx --probes probes.json $small

@@ -13,7 +13,7 @@ stopped() {
   python3 "$stop" "$work/run" "$1" "$2" "$OCTALUX" "${@:3}"
 }
 
-"$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 64 --irradiance-size 16 --bounces 1 \
+"$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.3 \
   >/dev/null
 "$OCTALUX" render builtin:cornell --method path --spp 1 --size 2048x2048 -o "$work/picture.exr" >/dev/null
 

@@ -17,18 +17,18 @@ for options in "--hits stored" "--diffuse irradiance"; do
   expect_failure "bake --probe-light" render builtin:cornell-glossy --field plain.olx -o none.exr --size 8x8 --device vulkan $options
 done
 # Spherical harmonics work on the CPU alone, too.
-"$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --volume-cells 0 --irradiance sh2 2>stderr.txt
+"$OCTALUX" bake builtin:cornell-glossy -o harmonics.olx --radiance-size 8 --irradiance-size 8 --bounces 0 --noise 0.5 --volume-cells 0 --irradiance sh2 2>stderr.txt
 expect_failure "harmonics.olx: irradiance as spherical harmonics .sh2. does not run on the GPU" render builtin:cornell-glossy \
   --field harmonics.olx -o none.exr --size 8x8 --device vulkan
 expect_failure "voronoi" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --select voronoi --device vulkan
 # Two of the three modes are compared, with the same random numbers. Histories of half floats, and kernels that depend
 # on them, lead to slightly larger errors than half floats alone.
 compare_devices builtin:cornell-glossy cornell.olx --mode gather --gather-samples 6 --spp 2 --emitters traced
-"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --uncompressed 2>stderr.txt
+"$OCTALUX" bake builtin:two-rooms-gap -o two.olx --grid 2x2x2 --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.3 --uncompressed 2>stderr.txt
 compare_devices builtin:two-rooms-gap two.olx --mode denoised --frames 5 --camera dark --from-camera lit --cut 2
 
 # The baseline works on the device, too.
-"$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 16 --bounces 1 --classic \
+"$OCTALUX" bake builtin:cornell-glossy -o classic.olx --radiance-size 32 --irradiance-size 16 --bounces 1 --noise 0.3 --classic \
   --classic-size 64 --cube-size 64 2>stderr.txt
 compare_devices builtin:cornell-glossy classic.olx --spp 1 --method classic
 expect_failure "bake --classic" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 --method classic \

@@ -1,10 +1,10 @@
 // Tests how points on lights are sampled: densities sum to one, samples agree with them, and irradiance agrees with
 // closed forms.
+#include "core/distribution.h"
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
-#include "scene/distribution.h"
 #include "scene/emitters.h"
 #include "scene/scene_build.h"
 #include "scene/spherical_triangle.h"

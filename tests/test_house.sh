@@ -92,7 +92,7 @@ sed -n '/^```c$/,/^```$/{/^```/!p}' "$OCTALUX_SOURCE_DIR/README.md" >"$work/read
 install=$OCTALUX_SOURCE_DIR/scripts/install-packages.sh
 bash=$(command -v bash)
 mkdir "$work/bin"
-printf '#!%s\n[ "${!#}" = "$MISSING" ] || echo installed\n' "$bash" >"$work/bin/dpkg-query"
+printf '#!%s\nfor p in "${@:4}"; do [ "$p" = "$MISSING" ] || echo "installed $p"; done\n' "$bash" >"$work/bin/dpkg-query"
 printf '#!%s\necho "$USER_ID"\n' "$bash" >"$work/bin/id"
 printf '#!%s\necho "apt-get $*" >>"$CALLS"\n' "$bash" >"$work/bin/apt-get"
 printf '#!%s\nwhile [[ $1 == *=* ]]; do shift; done\n"$@"\n' "$bash" >"$work/bin/env"

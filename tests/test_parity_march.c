@@ -91,7 +91,7 @@ static bool find_texel(const march_state *e, olx_cell *c, float *stored) {
     const float s1 = olx_min(s.x, s.y), t1 = olx_parameter_at(&e->piece, s1);
     const olx_field *f = e->march.field;
     olx_march m = e->march;
-    if (f->geometry && reaches_plane(&m, *c, t1, stored)) return true;
+    if (f->geometry && olx_reaches_plane(&m, *c, t1, stored)) return true;
     *stored = olx_texel_distance(f, e->march.probe, olx_map_index(f->stride, c->x, c->y));
     if (!f->geometry && olx_farthest_squared(&e->march, c->t, t1) >= *stored * *stored && *stored < INFINITY)
       return true;
@@ -157,11 +157,11 @@ MARCH_ROW(block_clears, if (!s->field->geometry) return;
     olx_read_block(&e->march, (int32_t)s->x / 4, (int32_t)s->y / 4);
     put_u(r, olx_block_clears(&e->march, &e->piece, s->random[0], s->random[0] + s->random[1]));)
 MARCH_ROW(reaches_plane, if (!s->field->geometry) return; float stored;
-    const bool reached = reaches_plane(&e->march, e->cell, cell_exit(e), &stored); put_u(r, reached);
+    const bool reached = olx_reaches_plane(&e->march, e->cell, cell_exit(e), &stored); put_u(r, reached);
     put_u(r, e->march.steps); if (reached) put_f(r, stored);)
-MARCH_ROW(visit_texel, olx_probe_answer a = {0};
-    put_u(r, olx_visit_texel(&e->march, &e->piece, e->cell, cell_exit(e), cell_far_squared(e), &a)); put_answer(r, &a);
-    put_u(r, e->march.steps);)
+MARCH_ROW(reaches_texel, float stored;
+    const bool reached = olx_reaches_texel(&e->march, e->cell, cell_exit(e), cell_far_squared(e), &stored);
+    put_u(r, reached); put_u(r, e->march.steps); if (reached) put_f(r, stored);)
 MARCH_ROW(next_cell, const olx_cell c = olx_next_cell(&e->piece, e->cell, random_2(s), cell_exit(e)); put_i(r, c.x);
     put_i(r, c.y);
     put_f(r, c.t);)
@@ -230,7 +230,7 @@ static const parity_row ROWS[] = {
     PARITY(plane_clears, 1e-5f, 1e-3),
     PARITY(block_clears, 1e-5f, 1e-3),
     PARITY(reaches_plane, 1e-5f, 1e-3),
-    PARITY(visit_texel, 1e-5f, 1e-3),
+    PARITY(reaches_texel, 1e-5f, 1e-3),
     PARITY(next_cell, 1e-5f, 1e-3),
     PARITY(crossings_ahead, 1e-5f, 1e-3),
     PARITY(march_texels, 1e-5f, 1e-3),

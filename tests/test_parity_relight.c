@@ -25,6 +25,18 @@ static olx_light some_light(const parity_state *s, uint32_t type) {
                      .cosine_outer = s->random[0] - 0.5f * s->random[1]};
 }
 
+// Aims at a point of a surface near a lamp, which faces away half of the time.
+static bool aim_at_some_point(const parity_state *s, olx_vec3 normal, olx_shadow_ray *ray, olx_vec3 *irradiance) {
+  const olx_vec3 v = s->view;
+  olx_lamp_point point = {.position = olx_madd(s->point, v, s->item->v[15]),
+                          .normal = olx_negate(s->direction),
+                          .intensity = olx_v3(fabsf(v.x), fabsf(v.y), fabsf(v.z)),
+                          .soft_squared = 0.01f};
+  float sums[2] = {0.0f, 1.0f};
+  const olx_near_lamps lamps = {.points = &point, .sums = sums, .count = 1};
+  return aim_near(&lamps, s->point, normal, 0.5f, ray, irradiance);
+}
+
 static olx_vec3 some_normal(const parity_state *s) { return s->bits[2] & 1u ? s->direction : olx_negate(s->direction); }
 static olx_vec2 later_random(const parity_state *s) { return (olx_vec2){s->random[2], s->random[3]}; }
 static uint32_t size_of(const parity_state *s) { return 8u << (s->bits[3] & 3u); }
@@ -104,6 +116,8 @@ ROW(area_light, const olx_light l = some_light(s, 3u + (s->bits[0] & 1u)); olx_s
     const bool lit = area_light(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
 ROW(aim, const olx_light l = some_light(s, s->bits[0] % 6u); olx_shadow_ray ray; olx_vec3 e;
     const bool lit = aim(&l, s->point, some_normal(s), later_random(s), &ray, &e); put_ray(r, lit, &ray, e);)
+ROW(aim_near, olx_shadow_ray ray; olx_vec3 e; const bool lit = aim_at_some_point(s, some_normal(s), &ray, &e);
+    put_ray(r, lit, &ray, e);)
 ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
 ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)
 ROW(site_weight, put_f(r, told_weight(s));)
@@ -131,6 +145,7 @@ static const parity_row ROWS[] = {
     PARITY(point_light, 1e-4f, 1e-3),
     PARITY(area_light, 1e-4f, 1e-3),
     PARITY(aim, 1e-4f, 1e-3),
+    PARITY(aim_near, 1e-4f, 1e-3),
     PARITY(tile_texel, 0.0f, 0),
     PARITY(site_corners, 2e-6f, 0),
     PARITY(site_weight, 2e-6f, 0),

@@ -120,16 +120,11 @@ static blend some_blend(const parity_state *s) {
   return b;
 }
 
-static float passes_others(const parity_state *s, const surface_state *e) {
-  seen_texel texel;
-  see(s, e, (int32_t)s->x, (int32_t)s->y, &texel);
-  float share = 1.0f;
-  for (int32_t k = 0; k < 4; k++) {
-    seen_texel other;
-    see(s, e, e->first_x + (k & 1), e->first_y + (k >> 1), &other);
-    if (s->bits[k] & 64u) share *= passes(&texel, &other);
-  }
-  return share;
+static olx_vec3 step_from(const parity_state *s, const surface_state *e) {
+  int32_t x, y;
+  olx_border_source(e->first_x, e->first_y, (int32_t)s->field->n, &x, &y);
+  const olx_vec3 centre = olx_texel_direction((uint32_t)x, (uint32_t)y, s->field->n);
+  return olx_madd(e->view.offset, centre, -(1.0f + s->random[0]));
 }
 
 // clang-format off
@@ -156,8 +151,8 @@ SURFACE_ROW(packing_error, seen_texel t; see(s, e, (int32_t)s->x, (int32_t)s->y,
 SURFACE_ROW(texel_agrees, seen_texel t;
     put_f(r, see(s, e, e->first_x, e->first_y, &t) ? texel_agrees(&e->view, &t) : 0.0f);)
 SURFACE_ROW(passes, seen_texel t; seen_texel o; see(s, e, (int32_t)s->x, (int32_t)s->y, &t);
-    see(s, e, e->first_x, e->first_y, &o); put_f(r, passes(&t, &o));)
-SURFACE_ROW(passes_all, put_f(r, passes_others(s, e));)
+    see(s, e, e->first_x, e->first_y, &o); put_f(r, passes(t.step, &o));)
+SURFACE_ROW(texel_step, put_3(r, step_from(s, e));)
 SURFACE_ROW(read_texels, const texel_light light = read_texels(s->field, &s->settings, s->probe, &e->p);
     put_3(r, light.sum); put_f(r, light.share);)
 SURFACE_ROW(blend_add, const blend b = some_blend(s); put_u(r, b.count); put_f(r, b.best);
@@ -183,6 +178,13 @@ SURFACE_ROW(factor, put_f(r, factor(s->random[0], s->random[1])); put_f(r, facto
 SURFACE_ROW(has_volume, put_u(r, s->field->volume.header != NULL);)
 SURFACE_ROW(volume_word, put_u(r, volume_word(s, s->bits[0] % 400u));)
 SURFACE_ROW(fallen_back, const fallen f = fall_back(s); put_3(r, f.from); put_3(r, f.to);)
+SURFACE_ROW(stored_light, olx_surface_light light = {.probes = 0};
+    put_u(r, s->bits[2] & 1u ? stored_light(s->field, &s->settings, &e->p, &light) : false);
+    put_light(r, light.irradiance, light.probes);)
+SURFACE_ROW(complete_light, const olx_vec3 d = s->direction;
+    olx_surface_light light = {{fabsf(d.x), fabsf(d.y), fabsf(d.z)}, 2};
+    complete_light(s->field, &s->settings, &e->p, (s->bits[2] & 2u) != 0, &light);
+    put_light(r, light.irradiance, light.probes);)
 SURFACE_ROW(surface_light_from, olx_surface_light light = {.probes = 0}; blend b = {.count = 0};
     if (s->bits[2] & 1u) gather(s->field, &s->settings, &e->p, &b);
     if (b.count > 0) light = olx_surface_light_at(s->field, &s->settings, &e->p);
@@ -210,7 +212,7 @@ static const parity_row ROWS[] = {
     PARITY(packing_error, 1e-5f, 1e-3),
     PARITY(texel_agrees, 1e-3f, 1e-3),
     PARITY(passes, 1e-3f, 1e-3),
-    PARITY(passes_all, 1e-3f, 1e-3),
+    PARITY(texel_step, 1e-5f, 1e-5),
     PARITY(read_texels, 1e-3f, 1e-3),
     PARITY(blend_add, 1e-5f, 0),
     PARITY(mix, 1e-5f, 1e-3),
@@ -221,6 +223,8 @@ static const parity_row ROWS[] = {
     PARITY(has_volume, 0, 0),
     PARITY(volume_word, 0, 0),
     PARITY(fallen_back, 1e-4f, 1e-3),
+    PARITY(stored_light, 1e-3f, 1e-3),
+    PARITY(complete_light, 1e-3f, 1e-3),
     PARITY(surface_light_from, 1e-3f, 1e-3),
     PARITY(volume_source, 0, 0),
     PARITY(volume_irradiance, 1e-4f, 1e-3),

@@ -1,5 +1,5 @@
 # The Python package: its structures agree with the headers, and a header that differs is found; its functions work; its
-# arrays are not copied slowly; its wheel installs into a fresh environment. Skipped without NumPy.
+# wheel installs into a fresh environment. Skipped without NumPy; full_python.sh compares its speed with that of C.
 set -euo pipefail
 build=$(dirname "$OCTALUX")
 source=$OCTALUX_SOURCE_DIR
@@ -33,7 +33,6 @@ drifts 's/olx_vec3 olx_field_probe_position(/float olx_field_probe_position(/' f
 "$python" "$source/tests/python_api.py"
 
 "$OCTALUX" bake builtin:cornell -o "$work/a.olx" --radiance-size 128 --noise 0.2 >/dev/null
-"$python" "$source/tests/python_speed.py" "$work/a.olx" 200000 5
 
 # Where the baker's library is missing, the runtime alone works, and a call of the baker says what is missing.
 mkdir "$work/runtime"

@@ -209,6 +209,9 @@ static double surfels_apart(const both_sides *b, uint32_t part) {
 
 static const olx_light BULB = {
     .type = OLX_LIGHT_POINT, .emission = {1.0f, 2.0f, 0.5f}, .position = {0.2f, 0.7f, -0.3f}};
+// A bulb over the screen, which surfels do not count among the lights: its light comes from points of the screen.
+static const olx_light LOW_BULB = {
+    .type = OLX_LIGHT_POINT, .emission = {0.2f, 0.1f, 0.3f}, .position = {0.1f, -0.28f, 0.05f}};
 static const olx_light SPOT = {.type = OLX_LIGHT_SPOT,
                                .emission = {3.0f, 1.0f, 1.0f},
                                .position = {-0.5f, 0.8f, 0.4f},
@@ -293,11 +296,12 @@ static void frames_are_those_of_the_cpu(void **unused) {
   assert_int_equal(olx_relight_frame(b.gpu, olx_splat(0.0f), NULL), OLX_ERROR_ARGUMENT);
   assert_int_equal(device_frame(&b, olx_splat(0.0f)).awake, 0); // no lights are set yet
   ASSERT_OK(olx_relight_frame(b.cpu, olx_splat(0.0f), NULL));
-  const olx_light small[] = {BULB, SPOT, SUN}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
+  const olx_light small[] = {BULB, SPOT, SUN, LOW_BULB}, all[] = {SKY, BULB, PANEL, SPOT, FLAG};
   give_lights(&b, small, 1);
   expect_same(&b, 4, "a bulb");
-  give_lights(&b, small, 3);
-  expect_same(&b, 2, "lights without an area");
+  give_lights(&b, small, 4);
+  assert_true(b.cpu->lights.lamps.count > 16);
+  expect_same(&b, 2, "lights without an area, one close to a surface");
   give_lights(&b, all, 5);
   expect_same(&b, 5, "lights of every kind");
   give_lights(&b, NULL, 0);

@@ -232,11 +232,23 @@ static olx_vulkan_targets make_targets(void) {
                               .denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY};
 }
 
-// Compiles the passes of a frame, first as most games record them, then with other tracers, selectors and light at
-// hits.
-static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vulkan_targets targets) {
+// Compiles the passes of a frame as most games record them, and traced diffuse light.
+static bool compile_frame(olx_vulkan_frame **frame, olx_vulkan_field *field, olx_vulkan_targets targets) {
   static const compile_step plain = {{"irradiance", "composite", "accumulate", "filter"}, 4};
-  static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1}, again = {{"glossy"}, 1};
+  static const compile_step glossy = {{"glossy", "dim"}, 2}, diffuse = {{"diffuse"}, 1};
+  targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_COMPOSITE;
+  bool fine = begin_step(&plain, "") && end_step(olx_vulkan_frame_create(field, &targets, frame));
+  targets.passes = OLX_VULKAN_PASS_GLOSSY;
+  targets.hits = 1u << OLX_HITS_SHADED;
+  fine = fine && begin_step(&glossy, "") && end_step(olx_vulkan_frame_resize(*frame, &targets));
+  targets.passes = OLX_VULKAN_PASS_DIFFUSE;
+  return fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(*frame, &targets));
+}
+
+// Compiles the glossy pass with other tracers, selectors and light at hits.
+static bool compile_variants(olx_vulkan_frame *frame, olx_vulkan_field *field, bool has_probe_light,
+                             olx_vulkan_targets targets) {
+  static const compile_step again = {{"glossy"}, 1};
   static const compile_step stored = {{"glossy, stored"}, 1};
   static const char *const tracers[] = {", texel", ", two-level", ", hi-Z"};
   static const struct {
@@ -247,14 +259,7 @@ static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vul
                    {OLX_SELECT_VORONOI, ", voronoi"},
                    {OLX_SELECT_EXHAUSTIVE, ", exhaustive"}};
   const olx_select best = olx_vulkan_field_select(field, OLX_SELECT_BEST); // already compiled
-  olx_vulkan_frame *frame = NULL;
-  targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_COMPOSITE;
-  bool fine = begin_step(&plain, "") && end_step(olx_vulkan_frame_create(field, &targets, &frame));
-  targets.passes = OLX_VULKAN_PASS_GLOSSY;
-  targets.hits = 1u << OLX_HITS_SHADED;
-  fine = fine && begin_step(&glossy, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
-  targets.passes = OLX_VULKAN_PASS_DIFFUSE;
-  fine = fine && begin_step(&diffuse, "") && end_step(olx_vulkan_frame_resize(frame, &targets));
+  bool fine = true;
   targets.passes = OLX_VULKAN_PASS_GLOSSY;
   if (has_probe_light) {
     targets.hits = 1u << OLX_HITS_STORED;
@@ -272,7 +277,6 @@ static bool compile_frame(olx_vulkan_field *field, bool has_probe_light, olx_vul
     targets.selects = 1u << select;
     fine = begin_step(&again, selectors[i].name) && end_step(olx_vulkan_frame_resize(frame, &targets));
   }
-  olx_vulkan_frame_destroy(frame);
   return fine;
 }
 
@@ -300,18 +304,24 @@ static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) 
   return fine;
 }
 
-static bool compile_all(const olx_field *field) {
+static bool compile_all(const olx_field *field, bool quick) {
   olx_vulkan_host host = job.device->host;
   host.get_instance_proc_addr = get_function;
+  const bool has_probe_light = olx_probe_light_check(field) == OLX_OK;
   olx_vulkan_field *uploaded = NULL;
-  const bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
-                    compile_frame(uploaded, olx_probe_light_check(field) == OLX_OK, make_targets()) &&
-                    compile_classic(uploaded, field) && compile_relight(uploaded, field);
+  olx_vulkan_frame *frame = NULL;
+  bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
+              compile_frame(&frame, uploaded, make_targets());
+  if (!quick) {
+    fine = fine && compile_variants(frame, uploaded, has_probe_light, make_targets()) && compile_classic(uploaded, field);
+  }
+  fine = fine && compile_relight(uploaded, field);
+  olx_vulkan_frame_destroy(frame);
   olx_vulkan_field_destroy(uploaded);
   return fine;
 }
 
-bool bench_compile(gpu_device *d, const char *field_path, bool json) {
+bool bench_compile(gpu_device *d, const char *field_path, bool quick, bool json) {
   olx_field *field;
   if (!gpu_check_library(d, olx_field_open(field_path, &field))) return false;
   memset(&job, 0, sizeof job);
@@ -323,9 +333,13 @@ bool bench_compile(gpu_device *d, const char *field_path, bool json) {
     job.statistics = (PFN_vkGetPipelineExecutableStatisticsKHR)d->GetDeviceProcAddr(
         d->host.device, "vkGetPipelineExecutableStatisticsKHR");
   }
-  printf(json ? "{\"device\":\"%s\",\"driver\":\"%s %s\",\"pipelines\":{" : "%s (%s %s)\n", d->properties.deviceName,
-         d->driver.driverName, d->driver.driverInfo);
-  const bool fine = compile_all(field);
+  if (json) {
+    printf("{\"device\":\"%s\",\"driver\":\"%s %s\",\"quick\":%s,\"pipelines\":{", d->properties.deviceName,
+           d->driver.driverName, d->driver.driverInfo, quick ? "true" : "false");
+  } else {
+    printf("%s (%s %s)\n", d->properties.deviceName, d->driver.driverName, d->driver.driverInfo);
+  }
+  const bool fine = compile_all(field, quick);
   if (json) printf("}}\n");
   olx_field_close(field);
   return fine;

@@ -131,7 +131,7 @@ static int open_and_run(const arguments *a, const bench_row **rows, uint32_t cou
                  device)) {
     code = failure(NAME, "%s", device->problem);
   } else if (a->compile) {
-    code = bench_compile(device, a->field, a->json) ? EXIT_DONE : failure(NAME, "%s", device->problem);
+    code = bench_compile(device, a->field, a->quick, a->json) ? EXIT_DONE : failure(NAME, "%s", device->problem);
     gpu_device_close(device);
   } else {
     code = device->timestamp_nanoseconds > 0.0 ? run(device, a, rows, count)
@@ -167,7 +167,7 @@ static const option options[] = {
     {"--bandwidth", OPTION_REAL, offsetof(arguments, bandwidth), "GB/s",
      "for the floors; default: as copies are measured"},
     {"--quick", OPTION_FLAG, offsetof(arguments, quick), NULL,
-     "coarse shadows and hardly a warm-up: a test that it runs"},
+     "coarse shadows and hardly a warm-up: a test that it runs; with --compile, default tracer and selector alone"},
     {"--device", OPTION_COUNT, offsetof(arguments, device), "N", "one of --list; default: the best", 0, 15},
     {"--list", OPTION_FLAG, offsetof(arguments, list), NULL, "name the devices"},
     {"--validate", OPTION_FLAG, offsetof(arguments, validate), NULL,

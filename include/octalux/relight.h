@@ -57,14 +57,15 @@ olx_relight_settings olx_relight_settings_default(void);
 
 // Creates a relighter. OLX_ERROR_ARGUMENT, with a message, for settings out of range and for a field baked without the
 // data for relighting. The field must outlive the relighter. On success the caller must free *relight, on failure it is
-// NULL. It takes 8 bytes a texel of light field maps and 60 a surfel.
+// NULL. It takes 8 bytes a texel of light field maps and 84 a surfel.
 olx_result olx_relight_create(const olx_field *field, const olx_relight_settings *settings, olx_relight **relight);
 // Frees a relighter. NULL is allowed.
 void olx_relight_free(olx_relight *relight);
 
 // Sets all lights from now on, at most 256, which are copied. They replace the lights of the bake and those of earlier
-// calls. Previous light stays until it is replaced. OLX_ERROR_ARGUMENT, with a message, for too many lights and for a
-// light out of range (octalux/light.h); the lights then stay as they were.
+// calls. Previous light stays until it is replaced. Rays of point and spot lights, at most 256 of each, are traced
+// through the field to find the surfaces near them. OLX_ERROR_ARGUMENT, with a message, for too many lights and for a
+// light out of range (octalux/light.h), OLX_ERROR_MEMORY when memory runs out; the lights then stay as they were.
 olx_result olx_relight_set_lights(olx_relight *relight, const olx_light *lights, uint32_t count);
 
 // The work that a frame did.

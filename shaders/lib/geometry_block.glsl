@@ -33,10 +33,11 @@ uint olx_geometry_pooled(uvec4 block, uint texel) {
 // Returns the plane that a texel sees; `pooled` is the plane numbered by olx_geometry_pooled, or zeros.
 vec3 olx_geometry_plane_of(uvec4 block, uvec2 pooled, uint n, uvec2 place, uint texel) {
   uint mode = block.w >> 30;
-  if (mode == OLX_GEOMETRY_ONE) return uintBitsToFloat(block.xyz);
   bool second = ((texel < 8u ? block.z : block.w) >> 22u + (texel & 7u) & 1u) != 0u;
   if (mode == OLX_GEOMETRY_TWO) pooled = second ? block.yw : block.xz;
-  return olx_plane_decode(pooled, n, place);
+  vec3 plane = uintBitsToFloat(block.xyz);
+  if (mode != OLX_GEOMETRY_ONE) plane = olx_plane_decode(pooled, n, place);
+  return plane;
 }
 
 // Returns a bound of a block with planes in the pool: no point that its texels see has a greater inverse depth.

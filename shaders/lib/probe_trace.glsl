@@ -320,20 +320,13 @@ bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out floa
   return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
 }
 
-// Reads a texel and judges the ray by its surfel if the ray reaches it; `far_squared` is the ray's greatest squared
-// distance from the probe over the texel.
-int olx_visit_texel(inout olx_march m, olx_piece p, olx_cell c, float t1, float far_squared,
-                    inout olx_probe_answer answer) {
-  float stored;
-  if (olx_geometry_in_blocks()) {
-    if (!olx_reaches_plane(m, c.at, c.t, t1, stored)) return OLX_VERDICT_CLEAR;
-    return olx_judge_surfel(m, p, c, t1, stored, answer);
-  }
+// Reads a texel and returns whether the ray reaches what it sees, over [t0, t1]; `stored` receives the texel's distance.
+bool olx_reaches_texel(inout olx_march m, ivec2 at, float t0, float t1, out float stored) {
+  if (olx_geometry_in_blocks()) return olx_reaches_plane(m, at, t0, t1, stored);
   m.steps++;
-  stored = olx_texel_distance(m.map, c.at);
+  stored = olx_texel_distance(m.map, at);
   precise float stored_squared = stored * stored;
-  if (far_squared < stored_squared || stored >= OLX_INFINITY) return OLX_VERDICT_CLEAR;
-  return olx_judge_surfel(m, p, c, t1, stored, answer);
+  return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
 }
 
 // Returns the texel after c, where s holds the crossings of the lines ahead and t1 is the ray's parameter at the nearer
@@ -354,35 +347,50 @@ int olx_march_texels(inout olx_march m, olx_piece p, inout olx_probe_answer answ
   for (;;) {
     vec2 s = olx_crossings_ahead(p, c.at, 0);
     float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    int verdict = olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
+    int verdict = OLX_VERDICT_CLEAR;
+    float stored;
+    if (olx_reaches_texel(m, c.at, c.t, t1, stored)) verdict = olx_judge_surfel(m, p, c, t1, stored, answer);
     if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0) return verdict;
     c = olx_next_cell(p, c, s, t1);
   }
 }
 
-// Skips blocks whose smallest distance is beyond the ray.
+// Skips blocks whose smallest distance is beyond the ray. Blocks and texels take turns in one loop that judges no surfel,
+// so that little is kept while one is judged; the texel judged clear is then left without being read again.
 int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
-  int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level);
+  int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level), verdict = OLX_VERDICT_CLEAR;
   olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);
-  for (;;) {
-    ivec2 block = c.at >> shift;
-    vec2 s = olx_crossings_ahead(p, block, shift);
-    float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
-    if (olx_reach_squared(m, p, c.t, t1) < olx_least_squared(m, level, block)) {
-      if (s1 >= 1.0) return OLX_VERDICT_CLEAR;
-      bool by_v = s.x > s.y; // ties step along u first
-      c = olx_cell(ivec2(olx_texel_at(p.u, s1, true), olx_texel_at(p.v, s1, by_v)), t1);
-      continue;
+  bool inside = false, found = false; // inside a block that the ray reaches; at a texel that it reaches
+  do {
+    bool judged = found, ended = false;
+    float stored = OLX_INFINITY;
+    found = false;
+    while (!found && !ended) {
+      vec2 s = olx_crossings_ahead(p, inside ? c.at : c.at >> shift, inside ? 0 : shift);
+      float s1 = min(s.x, s.y), t1 = olx_parameter_at(p, s1);
+      if (inside) {
+        if (!judged) found = olx_reaches_texel(m, c.at, c.t, t1, stored);
+        judged = false;
+        ended = s1 >= 1.0;
+        if (!found && !ended) {
+          olx_cell next = olx_next_cell(p, c, s, t1);
+          inside = next.at >> shift == c.at >> shift;
+          c = next;
+        }
+      } else if (olx_reach_squared(m, p, c.t, t1) < olx_least_squared(m, level, c.at >> shift)) {
+        ended = s1 >= 1.0;
+        bool by_v = s.x > s.y; // ties step along u first
+        if (!ended) c = olx_cell(ivec2(olx_texel_at(p.u, s1, true), olx_texel_at(p.v, s1, by_v)), t1);
+      } else {
+        inside = true;
+      }
     }
-    do {
-      s = olx_crossings_ahead(p, c.at, 0);
-      s1 = min(s.x, s.y);
-      t1 = olx_parameter_at(p, s1);
-      int verdict = olx_visit_texel(m, p, c, t1, olx_farthest_squared(m, c.t, t1), answer);
-      if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0) return verdict;
-      c = olx_next_cell(p, c, s, t1);
-    } while (c.at >> shift == block);
-  }
+    if (found) {
+      vec2 s = olx_crossings_ahead(p, c.at, 0);
+      verdict = olx_judge_surfel(m, p, c, olx_parameter_at(p, min(s.x, s.y)), stored, answer);
+    }
+  } while (found && verdict == OLX_VERDICT_CLEAR);
+  return verdict;
 }
 
 // Marches one piece by every texel or by blocks.

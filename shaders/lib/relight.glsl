@@ -72,6 +72,17 @@ bool olx_aim(olx_gpu_light light, vec3 position, vec3 normal, vec2 random, out o
   return cosine > 0.0;
 }
 
+// Aims a ray from a place at a point of a surface near a lamp; false when its light does not reach the place.
+bool olx_aim_near(olx_gpu_lamp_point point, vec3 position, vec3 normal, out olx_light_ray ray) {
+  vec3 way = point.position.xyz - position;
+  float squared = olx_dot(way, way), distance = sqrt(squared);
+  vec3 direction = way * (1.0 / distance);
+  float leaving = -olx_dot(direction, point.normal.xyz), arriving = olx_dot(direction, normal);
+  float share = leaving / (max(squared, point.normal.w) * point.intensity.w);
+  ray = olx_light_ray(direction, distance * (1.0 - OLX_END_SHARE), point.intensity.xyz * (share * arriving));
+  return squared > 0.0 && leaving > 0.0 && arriving > 0.0;
+}
+
 // ---- Highlights between surfels (src/relight/relit_highlights.c)
 
 // Returns the brightness of a specular lobe in light from one direction, relative to a white matte surface.

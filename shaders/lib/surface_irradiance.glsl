@@ -100,6 +100,14 @@ olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 posi
   return olx_probe_view(olx_map_origin(probe), offset, normal, angle, OLX_SURFACE_MISS + settings.surface_tolerance);
 }
 
+// Returns the way to the point from the place `distance` metres along the ray through the middle of a texel, which may be
+// of the border.
+vec3 olx_texel_step(olx_probe_view v, ivec2 texel, float distance) {
+  vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
+  precise vec3 way = v.offset - centre * distance;
+  return way;
+}
+
 // Reads a texel, which may be of the border.
 olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   olx_seen_texel t;
@@ -110,8 +118,7 @@ olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
   vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
   t.normal = seen.normal;
   t.facing = -olx_dot(t.normal, centre);
-  precise vec3 beyond = v.offset - centre * t.distance;
-  t.step = beyond;
+  t.step = olx_texel_step(v, texel, t.distance);
   t.away = sqrt(olx_dot(t.step, t.step));
   return t;
 }
@@ -136,66 +143,47 @@ float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
   return t.seen && near && t.facing > OLX_LEAST_FACING && agreement > OLX_LEAST_AGREEMENT ? fits * alike : 0.0;
 }
 
-// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
-float olx_passes(olx_seen_texel texel, olx_seen_texel other) {
-  float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
-  bool before = !(height < -allowed) || height - olx_dot(other.normal, texel.step) <= allowed;
+// Returns how much light of a texel, whose surface is `way` from the point, reaches the point past a neighbouring texel
+// that sees a different surface with this normal: the point is `height` above it, which packing moves by `allowed`.
+float olx_passes(vec3 way, vec3 normal, float height, float allowed) {
+  bool before = !(height < -allowed) || height - olx_dot(normal, way) <= allowed;
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// Returns how much light of `texel` reaches the point past those of four texels a to d that see other surfaces, as
-// marked in `others`.
-float olx_passes_all(olx_seen_texel texel, olx_seen_texel a, olx_seen_texel b, olx_seen_texel c, olx_seen_texel d,
-                     bvec4 others) {
-  float share = others.x ? olx_passes(texel, a) : 1.0;
-  if (others.y) share *= olx_passes(texel, b);
-  if (others.z) share *= olx_passes(texel, c);
-  if (others.w) share *= olx_passes(texel, d);
-  return share;
-}
-
+// Of the four texels only weights are kept, and each is decoded at one place in a loop, so that few registers are live.
+// Where one of them sees another surface, they are decoded again.
 olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
   olx_probe_view v = olx_view_from(settings, probe, position, normal);
   olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
   uint stride = olx_field.n + 2u;
-  int n = int(olx_field.n);
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
-#ifdef GL_ES
-  // These are loops, because a browser that draws without a GPU takes ten times as long to compile the text written out
-  // for each texel.
-  olx_seen_texel around_point[4];
   vec4 weight = around.weight;
-  bvec4 others = bvec4(false);
+  uint others = 0u; // a bit for each texel that sees another surface
   for (int i = 0; i < 4; i++) {
-    around_point[i] = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
-    float agrees = olx_texel_agrees(v, around_point[i]);
+    olx_seen_texel t = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
+    float agrees = olx_texel_agrees(v, t);
     weight[i] *= agrees;
-    others[i] = around_point[i].seen && !(agrees > 0.0);
+    if (t.seen && !(agrees > 0.0)) others |= 1u << i;
   }
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < 4; i++) {
-    if (weight[i] > 0.0) {
-      for (int k = 0; k < 4; k++) weight[i] *= others[k] ? olx_passes(around_point[i], around_point[k]) : 1.0;
-      sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(i & 1, i >> 1), n)) * weight[i];
+  for (int i = 0; i < 4 && others != 0u; i++) {
+    ivec2 texel = at + ivec2(i & 1, i >> 1);
+    float distance = 0.0;
+    if (weight[i] > 0.0) distance = olx_texel_geometry_of(v.map, texel).distance;
+    for (int k = 0; others >> k != 0u && weight[i] > 0.0; k++) {
+      if ((others >> k & 1u) != 0u) {
+        olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
+        float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
+        weight[i] *= olx_passes(olx_texel_step(v, texel, distance), other.normal, height, allowed);
+      }
     }
   }
-#else
-  olx_seen_texel a = olx_see_texel(v, at), b = olx_see_texel(v, at + ivec2(1, 0)),
-                 c = olx_see_texel(v, at + ivec2(0, 1)), d = olx_see_texel(v, at + ivec2(1, 1));
-  vec4 agrees = vec4(olx_texel_agrees(v, a), olx_texel_agrees(v, b), olx_texel_agrees(v, c), olx_texel_agrees(v, d));
-  vec4 weight = around.weight * agrees;
-  bvec4 others = bvec4(a.seen && !(agrees.x > 0.0), b.seen && !(agrees.y > 0.0), c.seen && !(agrees.z > 0.0),
-                       d.seen && !(agrees.w > 0.0));
-  if (any(others)) {
-    weight *= vec4(olx_passes_all(a, a, b, c, d, others), olx_passes_all(b, a, b, c, d, others),
-                   olx_passes_all(c, a, b, c, d, others), olx_passes_all(d, a, b, c, d, others));
-  }
+  uvec4 bits = uvec4(greaterThan(weight, vec4(0.0))) * uvec4(1u, 2u, 4u, 8u);
+  uint lit = bits.x | bits.y | bits.z | bits.w;
   vec3 sum = vec3(0.0);
-  if (weight.x > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at, n)) * weight.x;
-  if (weight.y > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 0), n)) * weight.y;
-  if (weight.z > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(0, 1), n)) * weight.z;
-  if (weight.w > 0.0) sum += olx_texel_indirect(v.map, olx_border_source(at + ivec2(1, 1), n)) * weight.w;
-#endif
+  for (int i = 0; lit >> i != 0u; i++) {
+    ivec2 texel = olx_border_source(at + ivec2(i & 1, i >> 1), int(olx_field.n));
+    if (weight[i] > 0.0) sum += olx_texel_indirect(v.map, texel) * weight[i];
+  }
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
 
@@ -269,30 +257,47 @@ mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position
   return irradiance;
 }
 
+// Returns the light that texels store for a point of a surface, where the given OLX_SOURCE_* include them; `stored` tells
+// whether there is any.
+olx_surface_light olx_stored_light(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal,
+                                   out bool stored) {
+  olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
+  bool finite = olx_finite(position) && olx_finite(geometric_normal);
+  if (!finite || (sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
+  bool own;
+  olx_blend b = olx_gather(settings, position, geometric_normal, own);
+  stored = b.count > 0u;
+  if (stored) light = olx_mix(b);
+  if (!own) light.probes = 0u;
+  return light;
+}
+
+// Completes the result of olx_stored_light: where nothing is stored, light comes from the other sources; where a normal
+// map bends the normal, stored light changes as theirs does.
+olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources, olx_surface_light light, bool stored,
+                                     vec3 position, vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal,
+                                     vec3 view) {
+  bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
+                olx_finite(shading_normal) && olx_finite(view);
+  vec3 bent = shading_normal - vertex_normal;
+  if (finite && (!stored || olx_dot(bent, bent) > 1e-6)) {
+    vec3 from = stored ? vertex_normal : shading_normal;
+    mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
+    vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
+    light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
+  }
+  return finite ? light : olx_surface_light(vec3(0.0), 0u);
+}
+
 // Returns irradiance in W/m^2 at a point of a surface, from the given OLX_SOURCE_*. Directions are unit vectors;
 // normals are on the side towards the eye: that of the triangle, that interpolated over it, and that bent by a normal
 // map.
 olx_surface_light olx_surface_light_from(olx_sample_settings settings, uint sources, vec3 position,
                                          vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal, vec3 view) {
-  olx_surface_light light = olx_surface_light(vec3(0.0), 0u);
-  bool finite = olx_finite(position) && olx_finite(geometric_normal) && olx_finite(vertex_normal) &&
-                olx_finite(shading_normal) && olx_finite(view);
-  if (finite) {
-    if ((sources & OLX_SOURCE_TEXELS) == 0u) settings.max_probes = 0u;
-    bool own;
-    olx_blend b = olx_gather(settings, position, geometric_normal, own);
-    bool stored = b.count > 0u;
-    if (stored) light = olx_mix(b);
-    if (!own) light.probes = 0u;
-    vec3 bent = shading_normal - vertex_normal;
-    if (!stored || olx_dot(bent, bent) > 1e-6) {
-      vec3 from = stored ? vertex_normal : shading_normal;
-      mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
-      vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
-      light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
-    }
-  }
-  return light;
+  bool stored;
+  olx_surface_light light = olx_stored_light(settings, sources, position, geometric_normal, stored);
+  return olx_complete_light(settings, sources, light, stored, position, geometric_normal, vertex_normal,
+                            shading_normal, view);
 }
 
 // Returns the source for places without stored light: the irradiance volume, or irradiance probes where the field has

@@ -14,11 +14,11 @@
 // of blocks in its pool. The layer is -1 for a tile of sky, and where a damaged file names blocks that do not exist.
 // The texel must not be of the border, here and in the functions below.
 ivec3 olx_surface_at(ivec3 origin, ivec2 texel, uint words, uint count) {
-  if (olx_field.tiled == 0u) return origin + ivec3(texel, 0);
   ivec2 map = ivec2(vec2(origin.xy - 1) * olx_field.map_scale + 0.5);
   uint along = olx_field.maps_a_side, probe = (uint(origin.z) * along + uint(map.y)) * along + uint(map.x);
   uvec2 at = uvec2(texel), tile = at / OLX_TILE_SIDE;
-  uint side = olx_field.tile_side, word = olx_word(words + (side * probe + tile.y) * side + tile.x);
+  uint side = olx_field.tile_side, word = 0u;
+  if (olx_field.tiled != 0u) word = olx_word(words + (side * probe + tile.y) * side + tile.x);
   uint form = word >> OLX_TILE_FORM_SHIFT, block = word & ((1u << OLX_TILE_FORM_SHIFT) - 1u);
   bool halved = form == OLX_TILE_HALF;
   if (!halved) block += (at.y >> 1 & 2u) + (at.x >> 2 & 1u);
@@ -26,7 +26,9 @@ ivec3 olx_surface_at(ivec3 origin, ivec2 texel, uint words, uint count) {
   const uint row = (1u << OLX_POOL_ROW_BITS) - 1u;
   uvec2 corner = uvec2(block & row, block >> OLX_POOL_ROW_BITS & row) * OLX_BLOCK_SIDE;
   bool none = form == 0u || block >= count;
-  return ivec3(ivec2(corner + within), none ? -1 : int(block >> 2u * OLX_POOL_ROW_BITS));
+  ivec3 place = ivec3(ivec2(corner + within), none ? -1 : int(block >> 2u * OLX_POOL_ROW_BITS));
+  if (olx_field.tiled == 0u) place = origin + ivec3(texel, 0);
+  return place;
 }
 
 // Returns the reflectance of the texel's surface. Texture units convert bytes to shares. A field of tiles has

@@ -51,15 +51,34 @@ uint sources_of(ivec2 pixel) {
   return has_flag(OLX_FRAME_IRRADIANCE_PROBES) ? OLX_SOURCE_PROBES : sources;
 }
 
-vec3 frame_irradiance(ivec2 pixel, frame_surface surface) {
+// What the first of a pixel's two rounds leaves to the second.
+struct irradiance_state {
+  vec3 geometric; // normal
+  olx_surface_light light;
+  bool stored;
+};
+
+irradiance_state begin_irradiance() {
+  return irradiance_state(vec3(0.0), olx_surface_light(vec3(0.0), 0u), false);
+}
+
+// Computes irradiance at the surface of a pixel in two rounds of one loop of the pass, which reads the surface again for
+// the second, so that its normals are not kept while probes are searched. The first round looks up stored light.
+void look_up_irradiance(ivec2 pixel, frame_surface surface, inout irradiance_state state) {
   olx_sample_settings settings = frame_settings();
-  uint sources = sources_of(pixel);
-  vec3 geometric = surface.normal, vertex = surface.normal;
-  if ((sources & OLX_SOURCE_TEXELS) != 0u) geometric = geometric_normal(pixel, surface);
-  if (has_flag(OLX_FRAME_VERTEX_NORMAL)) vertex = read_normal(vertex_normal_image, pixel, OLX_FRAME_VERTEX_UNORM);
   settings.select = has_flag(OLX_FRAME_RANK_ALL) ? OLX_SELECT_EXHAUSTIVE : OLX_SELECT_BEST;
-  return olx_surface_light_from(settings, sources, surface.position, geometric, vertex, surface.normal, surface.view)
-      .irradiance;
+  uint sources = sources_of(pixel);
+  state.geometric = surface.normal;
+  if ((sources & OLX_SOURCE_TEXELS) != 0u) state.geometric = geometric_normal(pixel, surface);
+  state.light = olx_stored_light(settings, sources, surface.position, state.geometric, state.stored);
+}
+
+// The second round completes the light.
+void complete_irradiance(ivec2 pixel, frame_surface surface, inout irradiance_state state) {
+  vec3 vertex = surface.normal;
+  if (has_flag(OLX_FRAME_VERTEX_NORMAL)) vertex = read_normal(vertex_normal_image, pixel, OLX_FRAME_VERTEX_UNORM);
+  state.light = olx_complete_light(frame_settings(), sources_of(pixel), state.light, state.stored, surface.position,
+                                   state.geometric, vertex, surface.normal, surface.view);
 }
 
 #endif

@@ -7,10 +7,14 @@
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (outside_frame(pixel)) return;
-  frame_surface surface;
-  vec4 result = vec4(0.0);
-  if (read_surface(pixel, surface)) {
-    result = storable(frame_irradiance(pixel, surface), 1.0);
+  irradiance_state state = begin_irradiance();
+  bool found = true;
+  for (uint round = 0u; round < 2u; round++) {
+    frame_surface surface;
+    found = read_surface(pixel, surface);
+    if (!found) break;
+    if (round == 0u) look_up_irradiance(pixel, surface, state);
+    else complete_irradiance(pixel, surface, state);
   }
-  imageStore(irradiance_image, pixel, result);
+  imageStore(irradiance_image, pixel, found ? storable(state.light.irradiance, 1.0) : vec4(0.0));
 }

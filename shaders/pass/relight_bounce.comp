@@ -35,7 +35,7 @@ vec3 find_highlights(uint surfel) {
 vec3 gather(uint surfel) {
   uint end = structure[relight.link_starts + surfel + 1u], at = relight.highlights + 3u * surfel;
   if ((call.flags & OLX_CALL_SHINES) != 0u) set_state(at, find_highlights(surfel));
-  vec3 sum = state_vector(at);
+  vec3 sum = state_vector(at) + state_vector(relight.near + 3u * surfel);
   for (uint i = structure[relight.link_starts + surfel]; i < end; i++) {
     uint link = relight.links + 2u * i;
     sum += olx_rgb9e5_unpack(structure[link + 1u]) * state_vector(relight.values + 3u * (structure[link] & 0xFFFFFFu));

@@ -26,7 +26,10 @@ void main() {
   ivec3 map = olx_map_origin(tile.probe);
   bool lit = !olx_texel_is_sky(map, ivec2(texel));
   vec3 found = vec3(0.0);
-  if (lit) found = add_up(relight.tile_light + 3u * thread, light_place(texel_place(tile, texel, i)).irradiance);
+  if (lit) {
+    lit_sum sum = light_place(texel_place(tile, texel, i));
+    found = add_up(relight.tile_light + 3u * thread, sum.irradiance + sum.close);
+  }
   if (!ends()) return;
   vec3 mean = texelFetch(olx_direct_maps, map + ivec3(texel, 0), 0).rgb;
   if (lit) mean += (found - mean) * (1.0 / float(tile.rounds + 1u));

@@ -5,7 +5,7 @@
 #define OLX_LIGHT_LIGHT_SURFELS_H
 
 #include "core/parallel.h"
-#include "light/near_lamps.h"
+#include "light/lamp_light.h"
 #include "light/surface_cells.h"
 #include "scene/surface.h"
 

@@ -116,7 +116,7 @@ static void add_near_lamps(const cast_job *c, const olx_surface *surface, float 
   const olx_near_lamps *lamps = &c->surfels->lamps;
   if (lamps->count == 0) return;
   end->needs |= lights_needed | lamps->needs;
-  const olx_vec3 irradiance = olx_near_lamps_irradiance(lamps, c->surfels->scene, surface, sampler, &end->cast);
+  const olx_vec3 irradiance = olx_lamp_irradiance(lamps, c->surfels->scene, surface, sampler, &end->cast);
   add_light(end, 1, olx_scale(irradiance, factor / OLX_PI));
 }
 
@@ -140,7 +140,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
   const olx_lobes found = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, &w->sampler, rays);
   add_light(end, w->chain + 1, olx_mul(w->throughput, found.specular));
   if (c->surfels->lamps.count > 0 && w->chain + 1 < OLX_CHAIN_MOST) {
-    const olx_lobes near = olx_near_lamps_light(&c->surfels->lamps, scene, shading, &w->sampler, rays);
+    const olx_lobes near = olx_lamp_light(&c->surfels->lamps, scene, shading, &w->sampler, rays);
     end->needs |= c->surfels->lamps.needs;
     add_light(end, w->chain + 2, olx_mul(w->throughput, near.specular));
   }
@@ -162,7 +162,7 @@ static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, 
   end->link = no_link;
   if (w->chain + 1 == OLX_CHAIN_MOST) return false;
   if (c->surfels->lamps.count > 0) {
-    const olx_vec3 near = olx_near_lamps_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
+    const olx_vec3 near = olx_lamp_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
     end->needs |= c->surfels->lamps.needs;
     add_light(end, w->chain + 2, olx_scale(olx_mul(weight, near), 1.0f / OLX_PI));
   }

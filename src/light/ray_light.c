@@ -32,7 +32,7 @@ static olx_vec3 diffuse_light(const ray_shade *s, float indirect, const olx_ray_
 static olx_vec3 specular_light(const ray_shade *s, const olx_shading *shading, bool more) {
   const olx_vec3 found = olx_direct_light_sampled(s->scene, shading, OLX_MIS_EACH_LOBE, s->sampler, s->rays).specular;
   if (!s->lamps || !more) return found;
-  return olx_add(found, olx_near_lamps_light(s->lamps, s->scene, shading, s->sampler, s->rays).specular);
+  return olx_add(found, olx_lamp_light(s->lamps, s->scene, shading, s->sampler, s->rays).specular);
 }
 
 static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *first, const olx_ray_hit *met) {
@@ -89,7 +89,7 @@ olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_li
   return follow(&s, bounces, ray, hit);
 }
 
-bool olx_scene_light_beam(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position, olx_sampler *sampler,
-                          olx_lamp_beam *beam, uint64_t *rays) {
-  return olx_near_lamps_draw(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, beam, rays);
+bool olx_scene_light_lamp_ray(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position,
+                              olx_sampler *sampler, olx_lamp_ray *lamp, uint64_t *rays) {
+  return olx_lamp_ray_free(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, lamp, rays);
 }

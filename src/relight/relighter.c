@@ -80,12 +80,12 @@ void olx_relight_free(olx_relight *r) {
 
 olx_result olx_relight_set_lights(olx_relight *r, const olx_light *lights, uint32_t count) {
   assert(r && (lights || count == 0));
-  OLX_TRY(olx_relit_lights_set(&r->lights, lights, count));
+  OLX_TRY(olx_relit_lights_set(&r->lights, r->source, lights, count));
   r->field.surfaces.lights = r->lights.packed;
   r->field.surfaces.light_count = r->field.info.scene.light_count = r->lights.packed_count;
   r->field.info.scene.hash = 0;
   r->field.relit = true;
-  olx_relit_wake(r->schedule, r->lights.rays, r->lights.varying);
+  olx_relit_wake(r->schedule, r->lights.rays, olx_relit_surfel_rays(&r->lights), r->lights.varying);
   return OLX_OK;
 }
 

@@ -76,9 +76,21 @@ static void trace_occlusion(const olx_relit_direct *direct, light_rays *rays) {
   }
 }
 
+static void cast(olx_relit_direct *direct, light_rays *rays) {
+  const olx_relight_settings *settings = direct->lights->settings;
+  if (rays->count == 0) return;
+  if (settings->occlusion) settings->occlusion(settings->user, rays->ray, rays->count, rays->occluded);
+  else trace_occlusion(direct, rays);
+  atomic_fetch_add_explicit(&direct->shadow_rays, rays->count, memory_order_relaxed);
+}
+
+// Returns whether a ray to a lamp is short enough for its place to be near the lamp.
+static bool is_close(const olx_relit_lights *lights, uint32_t light, const olx_shadow_ray *ray) {
+  return lights->lamps.radius && ray->length_metres < lights->lamps.radius[light] * (1.0f - OLX_END_SHARE);
+}
+
 static void light_by(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t index, uint32_t sample,
                      light_rays *rays) {
-  const olx_relight_settings *settings = direct->lights->settings;
   const olx_light *light = &direct->lights->lights[index];
   const bool area = olx_light_varies(light);
   const uint32_t samples = olx_relit_samples(direct->lights, index);
@@ -91,23 +103,59 @@ static void light_by(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t 
     if (!aim(light, batch->position[i], batch->normal[i], random, &rays->ray[k], &rays->irradiance[k])) continue;
     rays->point[rays->count++] = i;
   }
-  if (rays->count == 0) return;
-  if (settings->occlusion) settings->occlusion(settings->user, rays->ray, rays->count, rays->occluded);
-  else trace_occlusion(direct, rays);
-  atomic_fetch_add_explicit(&direct->shadow_rays, rays->count, memory_order_relaxed);
+  cast(direct, rays);
   for (uint32_t k = 0; k < rays->count; k++) {
     if (rays->occluded[k]) continue;
     const uint32_t i = rays->point[k];
+    if (batch->apart && is_close(direct->lights, index, &rays->ray[k])) {
+      batch->close[i] = olx_add(batch->close[i], rays->irradiance[k]);
+      continue;
+    }
     batch->irradiance[i] = olx_madd(batch->irradiance[i], rays->irradiance[k], 1.0f / (float)samples);
     if (!area) batch->beam[i] = olx_madd(batch->beam[i], rays->ray[k].direction, olx_luminance(rays->irradiance[k]));
   }
 }
 
+// Draws a ray to a surface near a lamp.
+static bool aim_near(const olx_near_lamps *lamps, olx_vec3 position, olx_vec3 normal, float random, olx_shadow_ray *ray,
+                     olx_vec3 *irradiance) {
+  olx_lamp_ray to;
+  if (!olx_near_lamps_draw(lamps, position, random, &to)) return false;
+  const float cosine = olx_dot(to.direction, normal);
+  *ray = (olx_shadow_ray){position, to.direction, olx_length(olx_sub(to.target, position)) * (1.0f - OLX_END_SHARE)};
+  *irradiance = olx_scale(to.irradiance, cosine);
+  return cosine > 0.0f;
+}
+
+static void light_from_near_lamps(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t sample, light_rays *rays) {
+  rays->count = 0;
+  for (uint32_t i = 0; i < batch->count; i++) {
+    const uint32_t k = rays->count;
+    const float random =
+        olx_stratified(batch->sequence[i] * OLX_LAMP_SAMPLES + sample, olx_hash2(batch->seed[i], OLX_SALT_LAMP));
+    if (!aim_near(&direct->lights->lamps, batch->position[i], batch->normal[i], random, &rays->ray[k],
+                  &rays->irradiance[k])) {
+      continue;
+    }
+    rays->point[rays->count++] = i;
+  }
+  cast(direct, rays);
+  for (uint32_t k = 0; k < rays->count; k++) {
+    if (rays->occluded[k]) continue;
+    olx_vec3 *near = &batch->near[rays->point[k]];
+    *near = olx_madd(*near, rays->irradiance[k], 1.0f / (float)OLX_LAMP_SAMPLES);
+  }
+}
+
 void olx_relit_light(olx_relit_direct *direct, olx_relit_batch *batch) {
   light_rays rays;
-  for (uint32_t i = 0; i < batch->count; i++) batch->irradiance[i] = batch->beam[i] = olx_splat(0.0f);
+  for (uint32_t i = 0; i < batch->count; i++) {
+    batch->irradiance[i] = batch->beam[i] = batch->close[i] = batch->near[i] = olx_splat(0.0f);
+  }
   for (uint32_t index = 0; index < direct->lights->count; index++) {
     const uint32_t samples = olx_relit_samples(direct->lights, index);
     for (uint32_t sample = 0; sample < samples; sample++) light_by(direct, batch, index, sample, &rays);
   }
+  if (!batch->apart || direct->lights->lamps.count == 0) return;
+  for (uint32_t sample = 0; sample < OLX_LAMP_SAMPLES; sample++) light_from_near_lamps(direct, batch, sample, &rays);
 }

@@ -25,6 +25,11 @@ typedef struct olx_relit_batch {
   uint32_t slot[OLX_RELIT_BATCH];       // the surfel or texel to which the place belongs
   olx_vec3 irradiance[OLX_RELIT_BATCH]; // W/m^2, directly from lights
   olx_vec3 beam[OLX_RELIT_BATCH];       // its luminance by lights without area, along the way to them
+  // For surfels: the light of lamps close by is kept apart, because links do not carry it. What the surfaces near lamps
+  // reflect arrives from their points instead.
+  bool apart;
+  olx_vec3 close[OLX_RELIT_BATCH]; // W/m^2, directly from lamps close by
+  olx_vec3 near[OLX_RELIT_BATCH];  // W/m^2, from surfaces near lamps
 } olx_relit_batch;
 
 // Computes the direct light of a batch: one sample of it where it varies. Called from several threads at once.

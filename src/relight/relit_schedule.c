@@ -31,7 +31,8 @@ struct olx_relit_schedule {
   const olx_relight_settings *settings;
   olx_relit_time now;
   uint32_t light_changes; // how often lights were set
-  uint32_t rays;          // from a place for a sample of its direct light, at most
+  uint32_t rays;          // from a texel for a sample of its direct light, at most
+  uint32_t surfel_rays;   // from a surfel
   surfel_samples surfels;
   link_sweep sweep;
   olx_relit_tiles tiles;
@@ -56,9 +57,10 @@ void olx_relit_schedule_free(olx_relit_schedule *s) {
   olx_release(s);
 }
 
-void olx_relit_wake(olx_relit_schedule *s, uint32_t rays, bool varying) {
+void olx_relit_wake(olx_relit_schedule *s, uint32_t rays, uint32_t surfel_rays, bool varying) {
   s->light_changes++;
   s->rays = rays;
+  s->surfel_rays = surfel_rays;
   s->surfels.rounds = varying ? OLX_RELIGHT_POINTS * 2 : OLX_RELIGHT_POINTS;
   s->surfels.taken = 0;
   s->sweep = (link_sweep){.next = s->sweep.next, .stale = true, .settled = s->surfels.count == 0};
@@ -80,7 +82,7 @@ static uint32_t dark_surfels(const surfel_samples *t) {
 olx_relit_surfel_turns olx_relit_take_surfels(olx_relit_schedule *s) {
   surfel_samples *t = &s->surfels;
   const uint32_t dark = dark_surfels(t);
-  const uint64_t affordable = s->rays ? s->settings->shadow_rays / 2 / s->rays : t->count,
+  const uint64_t affordable = s->surfel_rays ? s->settings->shadow_rays / 2 / s->surfel_rays : t->count,
                  most = affordable ? affordable : 1;
   if (dark == 0) return (olx_relit_surfel_turns){.count = 0};
   const uint32_t count = most < dark ? (uint32_t)most : dark, same = t->count - (uint32_t)(t->taken % t->count);

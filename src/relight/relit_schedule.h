@@ -16,8 +16,9 @@ olx_result olx_relit_schedule_create(const olx_field *source, const olx_relight_
 void olx_relit_schedule_free(olx_relit_schedule *schedule);
 
 // Marks everything as out of date after lights have been set. A sample of direct light takes at most `rays` shadow rays
-// from a place, and more samples are needed where light is `varying`: it arrives from many directions.
-void olx_relit_wake(olx_relit_schedule *schedule, uint32_t rays, bool varying);
+// from a texel and `surfel_rays` from a surfel, and more samples are needed where light is `varying`: it arrives from
+// many directions.
+void olx_relit_wake(olx_relit_schedule *schedule, uint32_t rays, uint32_t surfel_rays, bool varying);
 
 // Begins a frame. Frames are counted from 1.
 void olx_relit_begin_frame(olx_relit_schedule *schedule);

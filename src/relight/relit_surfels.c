@@ -17,10 +17,13 @@ olx_result olx_relit_surfels_create(const olx_relight_data *data, olx_relit_surf
                            .irradiance = olx_allocate(count, sizeof *s->irradiance),
                            .values = olx_allocate_zero(count, sizeof *s->values),
                            .beams = olx_allocate_zero(count, sizeof *s->beams),
+                           .close = olx_allocate_zero(count, sizeof *s->close),
+                           .near = olx_allocate_zero(count, sizeof *s->near),
                            .highlights = olx_allocate_zero(count, sizeof *s->highlights),
                            .job_changes = olx_allocate(jobs, sizeof *s->job_changes),
                            .job_sums = olx_allocate(jobs, sizeof *s->job_sums)};
-  if (!s->direct || !s->irradiance || !s->values || !s->beams || !s->highlights || !s->job_changes || !s->job_sums) {
+  if (!s->direct || !s->irradiance || !s->values || !s->beams || !s->close || !s->near || !s->highlights ||
+      !s->job_changes || !s->job_sums) {
     return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for %u surfels", count);
   }
   for (uint32_t i = 0; i < count; i++) s->irradiance[i] = olx_rgb9e5_unpack(data->surfels[i].irradiance);
@@ -32,6 +35,8 @@ void olx_relit_surfels_free(olx_relit_surfels *s) {
   olx_release(s->irradiance);
   olx_release(s->values);
   olx_release(s->beams);
+  olx_release(s->close);
+  olx_release(s->near);
   olx_release(s->highlights);
   olx_release(s->job_changes);
   olx_release(s->job_sums);
@@ -55,7 +60,7 @@ static void light_batch(void *user, uint32_t job) {
   olx_relit_surfels *s = j->surfels;
   const olx_relit_surfel_turns *turns = j->turns;
   const uint32_t first = job * OLX_RELIT_BATCH, left = turns->count - first;
-  olx_relit_batch batch = {.count = left < OLX_RELIT_BATCH ? left : OLX_RELIT_BATCH};
+  olx_relit_batch batch = {.count = left < OLX_RELIT_BATCH ? left : OLX_RELIT_BATCH, .apart = true};
   for (uint32_t k = 0; k < batch.count; k++) {
     const uint32_t i = surfel_of(s, turns->first, first + k), round = turns->round + (first + k >= turns->before);
     const olx_relight_surfel *surfel = &s->data->surfels[i];
@@ -71,6 +76,8 @@ static void light_batch(void *user, uint32_t job) {
     const float share = 1.0f / (float)(batch.sequence[k] + 1);
     s->direct[i] = olx_mix3(s->direct[i], batch.irradiance[k], share);
     s->beams[i] = olx_mix3(s->beams[i], batch.beam[k], share);
+    s->close[i] = olx_mix3(s->close[i], batch.close[k], share);
+    s->near[i] = olx_mix3(s->near[i], batch.near[k], share);
   }
 }
 
@@ -83,8 +90,12 @@ void olx_relit_light_surfels(olx_relit_surfels *surfels, olx_relit_direct *direc
 
 // ---- Bounces
 
-static void sum_light(olx_relit_surfels *s) {
-  for (uint32_t i = 0; i < s->data->header->surfels; i++) s->values[i] = olx_add(s->direct[i], s->irradiance[i]);
+// Sums the light that links carry, or, with that of lamps close by, all light.
+static void sum_light(olx_relit_surfels *s, bool all) {
+  for (uint32_t i = 0; i < s->data->header->surfels; i++) {
+    s->values[i] = olx_add(s->direct[i], s->irradiance[i]);
+    if (all) s->values[i] = olx_add(s->values[i], s->close[i]);
+  }
 }
 
 typedef struct bounce_job {
@@ -94,7 +105,7 @@ typedef struct bounce_job {
 
 static olx_vec3 gather(const olx_relit_surfels *s, uint32_t surfel) {
   const olx_relight_data *d = s->data;
-  olx_vec3 sum = s->highlights[surfel];
+  olx_vec3 sum = olx_add(s->highlights[surfel], s->near[surfel]);
   for (uint32_t i = d->link_starts[surfel]; i < d->link_starts[surfel + 1]; i++) {
     const olx_relight_link *link = &d->links[i];
     sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(link->weight), s->values[olx_relight_link_from(link)]));
@@ -125,11 +136,11 @@ void olx_relit_bounce(olx_relit_surfels *s, uint32_t threads, const olx_relit_li
   *change = *sum = 0.0;
   if (jobs == 0) return;
   bounce_job j = {s, turns};
-  sum_light(s);
+  sum_light(s, false);
   olx_parallel_for(jobs, threads, bounce_some, &j, NULL, 0);
   for (uint32_t i = 0; i < jobs; i++) {
     *change += s->job_changes[i];
     *sum += s->job_sums[i];
   }
-  sum_light(s);
+  sum_light(s, true);
 }

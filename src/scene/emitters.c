@@ -2,11 +2,11 @@
 // place, and the environment, with their densities.
 #include "scene/emitters.h"
 
+#include "core/distribution.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
 #include "field/lights.h"
-#include "scene/distribution.h"
 #include "scene/environment.h"
 #include "scene/spherical_triangle.h"
 

@@ -1,10 +1,10 @@
 // Evaluates the radiance of an environment, and samples directions in proportion to the luminance of its image.
 #include "scene/environment.h"
 
+#include "core/distribution.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "scene/distribution.h"
 
 static olx_vec3 texel(const olx_environment *e, int32_t x, int32_t y) {
   const int32_t width = (int32_t)e->width, height = (int32_t)e->height;

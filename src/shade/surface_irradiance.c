@@ -132,11 +132,12 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
   return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
-// Returns how much light of `texel` reaches the point past a neighbouring texel that sees `other`, a different surface.
-// It is 0 when texel and point lie on opposite sides of that surface, like floors on both sides of a wall.
-static float passes(const seen_texel *texel, const seen_texel *other) {
+// Returns how much light of a texel, whose surface is `step` from the point, reaches the point past a neighbouring texel
+// that sees `other`, a different surface. It is 0 when texel and point lie on opposite sides of that surface, like
+// floors on both sides of a wall.
+static float passes(olx_vec3 step, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
-  if (!(height < -allowed) || height - olx_dot(other->normal, texel->step) <= allowed) return 1.0f;
+  if (!(height < -allowed) || height - olx_dot(other->normal, step) <= allowed) return 1.0f;
   return olx_max(2.0f + height / allowed, 0.0f);
 }
 
@@ -173,7 +174,7 @@ static texel_light read_texels(const olx_field *field, const olx_sample_settings
   for (uint32_t i = 0; i < 4; i++) {
     float weight = around.weight[i] * agrees[i];
     for (uint32_t k = 0; k < 4 && weight > 0.0f; k++) {
-      if (seen[k] && !(agrees[k] > 0.0f)) weight *= passes(&texels[i], &texels[k]);
+      if (seen[k] && !(agrees[k] > 0.0f)) weight *= passes(texels[i].step, &texels[k]);
     }
     if (!(weight > 0.0f)) continue;
     light.sum = olx_madd(light.sum, olx_texel_indirect(field, probe, around.index[i]), weight);
@@ -274,23 +275,36 @@ static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_setti
                                point->view);
 }
 
+// Interpolates the light that texels store for the point; returns whether there is any.
+static bool stored_light(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                         olx_surface_light *light) {
+  blend b = {.count = 0};
+  const bool own = gather(field, settings, point, &b);
+  if (b.count == 0) return false;
+  light->irradiance = mix(&b, &light->probes);
+  if (!own) light->probes = 0;
+  return true;
+}
+
+// Completes the result of stored_light: where nothing is stored, light comes from the volume; where a normal map bends
+// the normal, stored light changes as that of the volume does.
+static void complete_light(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                           bool stored, olx_surface_light *light) {
+  const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
+  if (!stored) {
+    light->irradiance = fallen_back(field, settings, point);
+  } else if (olx_dot(bent, bent) > 1e-6f) {
+    const olx_vec3 change = normal_map_change(field, settings, point);
+    light->irradiance = olx_mul(light->irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
+  }
+}
+
 olx_surface_light olx_surface_light_at(const olx_field *field, const olx_sample_settings *settings,
                                        const olx_surface_point *point) {
   olx_surface_light light = {.probes = 0};
   if (!is_finite(point)) return light;
-  blend b = {.count = 0};
-  const bool stored = gather(field, settings, point, &b);
-  if (b.count == 0) {
-    light.irradiance = fallen_back(field, settings, point);
-    return light;
-  }
-  light.irradiance = mix(&b, &light.probes);
-  if (!stored) light.probes = 0;
-  const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
-  if (olx_dot(bent, bent) > 1e-6f) {
-    const olx_vec3 change = normal_map_change(field, settings, point);
-    light.irradiance = olx_mul(light.irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
-  }
+  const bool stored = stored_light(field, settings, point, &light);
+  complete_light(field, settings, point, stored, &light);
   return light;
 }
 

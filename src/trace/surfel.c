@@ -129,18 +129,13 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-// Returns whether the ray reaches the plane of texel c, which it leaves at t1. A plane that comes nearer in a part of
-// the texel than in its middle may end before that part, at an object's edge; the next texel then decides.
-static bool reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
+// A plane that comes nearer in a part of the texel than in its middle may end before that part, at an object's edge; the
+// next texel then decides.
+bool olx_reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
   if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;
   *stored = olx_texel_distance(m->field, m->probe, texel_index(m, c.x, c.y));
   return !(olx_farthest_squared(m, c.t, t1) < *stored * *stored || *stored == INFINITY);
-}
-
-olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer) {
-  float stored;
-  return reaches_plane(m, c, t1, &stored) ? olx_judge_surfel(m, p, c, t1, stored, answer) : OLX_VERDICT_CLEAR;
 }
 
 olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
@@ -151,7 +146,10 @@ olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t
   do {
     const olx_vec2 ahead = olx_crossings_ahead(p, c.x, c.y, 0);
     const float s1 = olx_min(ahead.x, ahead.y), end = olx_parameter_at(p, s1);
-    const olx_verdict verdict = olx_visit_plane(m, p, c, end, answer);
+    float stored;
+    const olx_verdict verdict = olx_reaches_plane(m, c, end, &stored)
+                                    ? olx_judge_surfel(m, p, c, end, stored, answer)
+                                    : OLX_VERDICT_CLEAR;
     if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0f) return verdict;
     c = olx_next_cell(p, c, ahead, end);
   } while (c.x >> OLX_PYRAMID_FINEST == x && c.y >> OLX_PYRAMID_FINEST == y);

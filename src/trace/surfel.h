@@ -32,24 +32,31 @@ static inline bool olx_block_clears(const olx_march *m, const olx_piece *p, floa
 olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t y, float s, float t, bool by_v,
                             float t1, olx_probe_answer *answer);
 
-// Visits texel c of a field of geometry blocks, which the ray leaves at t1.
-olx_verdict olx_visit_plane(olx_march *m, const olx_piece *p, olx_cell c, float t1, olx_probe_answer *answer);
+// Returns whether the ray reaches the plane of texel c of a field of geometry blocks, which it leaves at t1; *stored
+// receives the texel's distance in metres.
+bool olx_reaches_plane(olx_march *m, olx_cell c, float t1, float *stored);
 
 // Judges by the surfel of texel c a ray that reaches the stored distance (metres) inside the texel, which it leaves at
 // t1.
 olx_verdict olx_judge_surfel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float stored,
                              olx_probe_answer *answer);
 
-// Reads texel c and judges the ray by its surfel if the ray reaches it; `far_squared` is the ray's greatest squared
-// distance from the probe over the texel.
-static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float far_squared,
-                                          olx_probe_answer *answer) {
-  if (m->geometry) return olx_visit_plane(m, p, c, t1, answer);
+// Reads texel c, which the ray leaves at t1, and returns whether the ray reaches what it sees; *stored receives the
+// texel's distance in metres. `far_squared` is the ray's greatest squared distance from the probe over the texel.
+static inline bool olx_reaches_texel(olx_march *m, olx_cell c, float t1, float far_squared, float *stored) {
+  if (m->geometry) return olx_reaches_plane(m, c, t1, stored);
   m->steps++;
   const uint32_t code = m->distance[olx_map_index(m->field->stride, c.x, c.y)] & 0x7FFFu;
-  const float stored = olx_march_distance(m, code);
-  if (far_squared < stored * stored || code == 0x7C00u) return OLX_VERDICT_CLEAR;
-  return olx_judge_surfel(m, p, c, t1, stored, answer);
+  *stored = olx_march_distance(m, code);
+  return !(far_squared < *stored * *stored || code == 0x7C00u);
+}
+
+// Reads texel c and judges the ray by its surfel if the ray reaches it; the parameters are those of olx_reaches_texel.
+static inline olx_verdict olx_visit_texel(olx_march *m, const olx_piece *p, olx_cell c, float t1, float far_squared,
+                                          olx_probe_answer *answer) {
+  float stored;
+  return olx_reaches_texel(m, c, t1, far_squared, &stored) ? olx_judge_surfel(m, p, c, t1, stored, answer)
+                                                            : OLX_VERDICT_CLEAR;
 }
 
 // Judges a ray taken over from another probe by the texel in which it begins, which often hides it.

@@ -57,10 +57,10 @@ _Static_assert(sizeof(olx_filter_constants) == 80 && offsetof(olx_filter_constan
 _Static_assert(sizeof(olx_gpu_light) == 80 && sizeof(olx_gpu_light) == OLX_LIGHT_WORDS * sizeof(uint32_t) &&
                    offsetof(olx_gpu_light, type) == 64 && offsetof(olx_gpu_light, cosine_outer) == 76,
                "std430");
-_Static_assert(sizeof(olx_gpu_relight) == 96 && offsetof(olx_gpu_relight, lights) == 20 &&
-                   offsetof(olx_gpu_relight, direct) == 28 && offsetof(olx_gpu_relight, tile_light) == 56 &&
-                   offsetof(olx_gpu_relight, link_starts) == 68 && offsetof(olx_gpu_relight, entry_starts) == 76 &&
-                   offsetof(olx_gpu_relight, volume_light) == 92,
+_Static_assert(sizeof(olx_gpu_relight) == 116 && offsetof(olx_gpu_relight, lights) == 28 &&
+                   offsetof(olx_gpu_relight, direct) == 36 && offsetof(olx_gpu_relight, tile_light) == 76 &&
+                   offsetof(olx_gpu_relight, link_starts) == 88 && offsetof(olx_gpu_relight, entry_starts) == 96 &&
+                   offsetof(olx_gpu_relight, volume_light) == 112,
                "std430");
 _Static_assert(sizeof(olx_gpu_relight_call) == 32 && offsetof(olx_gpu_relight_call, flags) == 28, "std430");
 

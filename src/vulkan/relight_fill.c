@@ -36,6 +36,9 @@ static void lay_out_state(olx_gpu_relight *c, const olx_relight *r, olx_vulkan_r
   c->beams = take(&used, VECTOR * (uint64_t)h->surfels);
   c->beam_sums = take(&used, VECTOR * (uint64_t)h->surfels);
   c->highlights = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->close = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->near = take(&used, VECTOR * (uint64_t)h->surfels);
+  c->lamp_points = take(&used, OLX_RELIT_MOST_LAMP_POINTS * OLX_LAMP_POINT_WORDS);
   c->sums = take(&used, v->result_words);
   c->tile_light = take(&used, VECTOR * texels * tiles);
   c->tile_direct = take(&used, c->tile_words * tiles);
@@ -91,8 +94,8 @@ static olx_result copy_state(olx_vulkan_relight *v, const olx_relit_surfels *s, 
   const struct {
     uint32_t at;
     const olx_vec3 *values;
-  } vectors[] = {
-      {c->direct, s->direct}, {c->irradiance, s->irradiance}, {c->beams, s->beams}, {c->highlights, s->highlights}};
+  } vectors[] = {{c->direct, s->direct}, {c->irradiance, s->irradiance}, {c->beams, s->beams}, {c->close, s->close},
+                 {c->near, s->near},     {c->highlights, s->highlights}};
   for (uint32_t i = 0; i < sizeof vectors / sizeof *vectors; i++) {
     OLX_TRY(copy_words(v, uploader, OLX_BUFFER_STATE, OLX_RELIGHT_HEADER_WORDS + vectors[i].at, vectors[i].values,
                        VECTOR * (uint64_t)c->surfels));

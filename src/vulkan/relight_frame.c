@@ -1,4 +1,5 @@
 // Records frames of a relighter: chooses what they light as the CPU does, and decides when their results are read.
+#include "core/distribution.h"
 #include "vulkan/gpu_relight.h"
 #include "vulkan/map_copies.h"
 
@@ -38,7 +39,7 @@ static frame_plan plan_frame(const olx_vulkan_relight *v, olx_vec3 eye) {
   frame_plan plan;
   plan.surfels = olx_relit_take_surfels(v->schedule);
   plan.links = olx_relit_take_links(v->schedule);
-  plan.tiles = olx_relit_take_tiles(v->schedule, eye, (uint64_t)plan.surfels.count * v->lights->rays);
+  plan.tiles = olx_relit_take_tiles(v->schedule, eye, (uint64_t)plan.surfels.count * olx_relit_surfel_rays(v->lights));
   plan.volume = olx_relit_take_volume(v->schedule);
   return plan;
 }
@@ -78,18 +79,38 @@ static void update_state(const olx_vulkan_relight *v, VkCommandBuffer commands, 
   update(v, commands, v->buffers[OLX_BUFFER_STATE].buffer, state_at(at), words, count * WORD);
 }
 
-static olx_gpu_vec4 with_zero(olx_vec3 a) { return (olx_gpu_vec4){a.x, a.y, a.z, 0.0f}; }
+static olx_gpu_vec4 with(olx_vec3 a, float w) { return (olx_gpu_vec4){a.x, a.y, a.z, w}; }
 
-static olx_gpu_light gpu_light(const olx_light *l) {
+static olx_gpu_light gpu_light(const olx_light *l, float near_radius) {
   const bool area = l->type == OLX_LIGHT_RECT || l->type == OLX_LIGHT_TRIANGLE;
-  return (olx_gpu_light){.emission = with_zero(l->emission),
-                         .position = with_zero(l->position),
-                         .edge_u = with_zero(area ? l->edge_u : l->direction),
-                         .edge_v = with_zero(l->edge_v),
+  return (olx_gpu_light){.emission = with(l->emission, near_radius),
+                         .position = with(l->position, 0.0f),
+                         .edge_u = with(area ? l->edge_u : l->direction, 0.0f),
+                         .edge_v = with(l->edge_v, 0.0f),
                          .type = l->type,
                          .both_sides = l->both_sides,
                          .cosine_inner = l->cosine_inner,
                          .cosine_outer = l->cosine_outer};
+}
+
+// Copies the points of surfaces near lamps, and their number and that of the lights.
+static void update_lamp_points(const olx_vulkan_relight *v, VkCommandBuffer commands) {
+  enum { PART = 256 };
+  const olx_near_lamps *lamps = &v->lights->lamps;
+  const uint32_t counts[] = {v->lights->count, lamps->count};
+  olx_gpu_lamp_point points[PART];
+  update(v, commands, v->buffers[OLX_BUFFER_STATE].buffer, offsetof(olx_gpu_relight, light_count), counts,
+         sizeof counts);
+  for (uint32_t first = 0; first < lamps->count; first += PART) {
+    const uint32_t left = lamps->count - first, count = left < PART ? left : PART;
+    for (uint32_t i = 0; i < count; i++) {
+      const olx_lamp_point *p = &lamps->points[first + i];
+      points[i] = (olx_gpu_lamp_point){with(p->position, lamps->sums[first + i]), with(p->normal, p->soft_squared),
+                                       with(p->intensity, olx_distribution_probability(lamps->sums, first + i))};
+    }
+    update_state(v, commands, v->constants.lamp_points + first * OLX_LAMP_POINT_WORDS, points,
+                 (size_t)count * OLX_LAMP_POINT_WORDS);
+  }
 }
 
 // Copies the lights of the relighter and those of the field.
@@ -100,9 +121,10 @@ static void update_lights(olx_vulkan_relight *v, VkCommandBuffer commands) {
   if (v->light_changes == changes) return;
   v->light_changes = changes;
   for (uint32_t i = 0; i < lights->count; i++) {
-    const olx_gpu_light light = gpu_light(&lights->lights[i]);
+    const olx_gpu_light light = gpu_light(&lights->lights[i], lights->lamps.radius ? lights->lamps.radius[i] : 0.0f);
     update_state(v, commands, v->constants.lights + i * OLX_LIGHT_WORDS, &light, OLX_LIGHT_WORDS);
   }
+  update_lamp_points(v, commands);
   const uint32_t count = lights->packed_count > gpu->light_room ? 0 : lights->packed_count;
   update(v, commands, gpu->buffer, gpu->words[OLX_WORDS_LIGHTS].offset, lights->packed, count * sizeof *lights->packed);
   update(v, commands, gpu->buffer, offsetof(olx_field_constants, light_count), &count, sizeof count);
@@ -126,18 +148,21 @@ static void record(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_re
   next_step(v, commands);
 }
 
+// Advances past the rays of a dispatch. Those to surfaces near lamps come after those to lights.
 static void skip_rays(const olx_relit_lights *lights, olx_gpu_relight_call *call) {
   for (uint32_t i = 0; i < call->rays; i++) {
-    if (++call->light_sample < olx_relit_samples(lights, call->light)) continue;
+    if (++call->light_sample <
+        (call->light < lights->count ? olx_relit_samples(lights, call->light) : OLX_LAMP_SAMPLES))
+      continue;
     call->light_sample = 0;
     call->light++;
   }
 }
 
-// Records successive dispatches, each with a few rays of every place. Without lights, one dispatch writes darkness.
+// Records successive dispatches, each with a few of the `left` rays of every place. Without lights, one dispatch writes
+// darkness.
 static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, olx_relight_pass pass,
-                        olx_gpu_relight_call call) {
-  uint32_t left = v->lights->rays;
+                        olx_gpu_relight_call call, uint32_t left) {
   call.flags = OLX_CALL_BEGINS;
   for (;;) {
     call.rays = left < PLACE_RAYS ? left : PLACE_RAYS;
@@ -150,8 +175,8 @@ static void record_rays(const olx_vulkan_relight *v, VkCommandBuffer commands, o
   }
 }
 
-static void record_values(const olx_vulkan_relight *v, VkCommandBuffer commands) {
-  const olx_gpu_relight_call surfels = {.count = v->constants.surfels};
+static void record_values(const olx_vulkan_relight *v, VkCommandBuffer commands, bool all) {
+  const olx_gpu_relight_call surfels = {.count = v->constants.surfels, .flags = all ? OLX_CALL_ALL : 0};
   record(v, commands, OLX_RELIGHT_VALUES, surfels.count, &surfels);
 }
 
@@ -160,13 +185,13 @@ static void record_bounce(olx_vulkan_relight *v, VkCommandBuffer commands, const
       .first = turns->first, .count = turns->count, .flags = turns->shines ? OLX_CALL_SHINES : 0};
   const VkBufferCopy region = {state_at(v->constants.sums), (VkDeviceSize)v->result_words * WORD * v->slot,
                                (VkDeviceSize)v->result_words * WORD};
-  record_values(v, commands);
+  record_values(v, commands, false);
   record(v, commands, OLX_RELIGHT_BOUNCE, call.count, &call);
   v->gpu->context.vk.CmdCopyBuffer(commands, v->buffers[OLX_BUFFER_STATE].buffer, v->buffers[OLX_BUFFER_RESULTS].buffer,
                                    1, &region);
   next_step(v, commands);
   v->readings[v->slot] = (olx_relight_reading){.written = true, .turns = *turns};
-  record_values(v, commands);
+  record_values(v, commands, true);
 }
 
 // ---- Copies into the field
@@ -218,7 +243,7 @@ static void record_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, 
   const uint32_t texels = turns->side * turns->side;
   const olx_gpu_relight_call lit = {.count = turns->lit * texels}, told = {.count = turns->count * texels};
   if (turns->count == 0) return;
-  if (lit.count > 0) record_rays(v, commands, OLX_RELIGHT_TEXELS, lit);
+  if (lit.count > 0) record_rays(v, commands, OLX_RELIGHT_TEXELS, lit, v->lights->rays);
   record(v, commands, OLX_RELIGHT_TELL, told.count, &told);
   copy_tiles(v, commands, turns);
 }
@@ -234,7 +259,9 @@ static void record_frame(olx_vulkan_relight *v, VkCommandBuffer commands, const 
   update_lights(v, commands);
   update_state(v, commands, v->constants.tiles, plan->tiles.tiles, (size_t)plan->tiles.count * OLX_TILE_WORDS);
   next_step(v, commands);
-  if (surfels.count > 0) record_rays(v, commands, OLX_RELIGHT_SURFELS, surfels);
+  if (surfels.count > 0) {
+    record_rays(v, commands, OLX_RELIGHT_SURFELS, surfels, olx_relit_surfel_rays(v->lights));
+  }
   if (plan->links.count > 0) record_bounce(v, commands, &plan->links);
   record_tiles(v, commands, &plan->tiles);
   record(v, commands, OLX_RELIGHT_VOLUME, probes.count, &probes);

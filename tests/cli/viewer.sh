@@ -14,8 +14,8 @@ if ldd "$OCTALUX" | grep -q libasan; then
   OCTALUX=$folder/kept
 fi
 
-"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 64 --irradiance-size 16 --bounces 1 --select cage,bricks \
-  >stdout.txt 2>stderr.txt
+"$OCTALUX" bake builtin:cornell-glossy -o cornell.olx --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.2 \
+  --select cage,bricks >stdout.txt 2>stderr.txt
 view=(view builtin:cornell-glossy --field cornell.olx --size 96x80)
 
 # check EXPRESSION FILE...: checks that the expression is true of these pictures.

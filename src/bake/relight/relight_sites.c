@@ -44,17 +44,18 @@ static void add_weight(site_draft *d, uint32_t surfel, uint32_t corner, float we
 }
 
 // Collects the weights of the surfels around a surface, or of the one that serves it where there are none. Negative
-// weights, which extrapolate, are left out.
-static void weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
+// weights, which extrapolate, are left out. Returns false when there is no surfel at all: the surface lies in a fold.
+static bool weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface);
   for (uint32_t i = 0; i < weights.count; i++) {
     if (weights.weight[i] > 0.0f) add_weight(d, weights.surfel[i], corner, weights.weight[i]);
   }
-  if (weights.count > 0) return;
+  if (weights.count > 0) return true;
   const uint64_t key = olx_cell_key(&parts.surfels->grid, surface->position, surface->geometric_normal);
   const uint32_t near = olx_light_surfels_find(parts.surfels, key, surface, INFINITY).surfel;
   if (near != OLX_CELL_NONE) add_weight(d, near, corner, 1.0f);
+  return near != OLX_CELL_NONE;
 }
 
 static float sum_of(const float weight[CORNERS]) { return weight[0] + weight[1] + weight[2] + weight[3]; }
@@ -106,32 +107,47 @@ static void light_flat(const site_job *j, const olx_block_surfaces *s, block_sit
   finish_site(&draft, &b->sites[b->count++]);
 }
 
-static void light_at(const site_job *j, const olx_surface *surface, site *s) {
+// Returns the texel among those of a mask that is nearest to a corner of its block.
+static uint32_t nearest_to(uint32_t corner, uint32_t texels) {
+  const int32_t x = corner & 1u ? OLX_BLOCK_SIDE - 1 : 0, y = corner & 2u ? OLX_BLOCK_SIDE - 1 : 0;
+  uint32_t best = 0;
+  int32_t least = INT32_MAX;
+  for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+    const int32_t across = (int32_t)(i % OLX_BLOCK_SIDE) - x, down = (int32_t)(i / OLX_BLOCK_SIDE) - y,
+                  squared = across * across + down * down;
+    if (!(texels >> i & 1u) || squared >= least) continue;
+    least = squared;
+    best = i;
+  }
+  return best;
+}
+
+// Lights a site of some of a block's texels. Each corner has the surfels of the texel nearest to it that is not in a
+// fold; with no such texel the site stays empty.
+static void light_site(const site_job *j, const olx_block_surfaces *s, uint32_t texels, site *found) {
   site_draft draft = {.count = 0};
   for (uint32_t c = 0; c < CORNERS; c++) {
-    if (c == 0) weigh(j->light, surface, c, &draft);
-    else
-      for (uint32_t i = 0; i < draft.count; i++) draft.weight[i][c] = draft.weight[i][0];
+    for (uint32_t left = texels; left != 0;) {
+      const uint32_t i = nearest_to(c, left);
+      if (weigh(j->light, &s->surface[i], c, &draft)) break;
+      left &= ~(1u << i);
+    }
   }
-  finish_site(&draft, s);
+  finish_site(&draft, found);
 }
 
 // Creates a site for every surface among the texels. Where a block has more surfaces than sites, the rest share the
 // site with the nearest normal.
 static void light_parts(const site_job *j, uint32_t block, const olx_block_surfaces *s, block_sites *b) {
-  uint32_t first[OLX_RELIGHT_BLOCK_SITES];
+  uint32_t first[OLX_RELIGHT_BLOCK_SITES], texels[OLX_RELIGHT_BLOCK_SITES] = {0};
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
     if (!(s->seen >> i & 1u)) continue;
     uint32_t at = 0;
     while (at < b->count && !olx_block_shares(j->capture, block, s, i, first[at])) at++;
-    if (at == b->count && at < OLX_RELIGHT_BLOCK_SITES) {
-      first[at] = i;
-      light_at(j, &s->surface[i], &b->sites[b->count++]);
-    } else if (at < b->count && b->sites[at].count == 0) {
-      // Earlier texels of the site lie in a fold, from which no surfel is visible.
-      light_at(j, &s->surface[i], &b->sites[at]);
-    }
-    if (at == OLX_RELIGHT_BLOCK_SITES) {
+    if (at == b->count && at < OLX_RELIGHT_BLOCK_SITES) first[b->count++] = i;
+    if (at < OLX_RELIGHT_BLOCK_SITES) {
+      texels[at] |= 1u << i;
+    } else {
       at = 0;
       for (uint32_t k = 1; k < OLX_RELIGHT_BLOCK_SITES; k++) {
         const olx_vec3 normal = s->surface[i].shading_normal;
@@ -142,6 +158,7 @@ static void light_parts(const site_job *j, uint32_t block, const olx_block_surfa
     }
     b->block.which |= at << 2 * i;
   }
+  for (uint32_t at = 0; at < b->count; at++) light_site(j, s, texels[at], &b->sites[at]);
 }
 
 // Gives texels in a fold, whose site has no surfels, the site with surfels whose normal is nearest.

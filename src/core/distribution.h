@@ -1,6 +1,6 @@
 // Draws from a discrete distribution by inverting its cumulative sums, which preserves stratification.
-#ifndef OLX_SCENE_DISTRIBUTION_H
-#define OLX_SCENE_DISTRIBUTION_H
+#ifndef OLX_CORE_DISTRIBUTION_H
+#define OLX_CORE_DISTRIBUTION_H
 
 #include "core/vec.h"
 

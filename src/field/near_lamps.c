@@ -1,0 +1,145 @@
+// Finds the surfaces close to lamps without area, and draws from the light that they reflect.
+#include "field/near_lamps.h"
+
+#include "core/distribution.h"
+#include "core/hooks.h"
+#include "core/result.h"
+#include "core/sampling.h"
+#include "field/lights.h"
+
+#include <stdlib.h>
+
+enum { SALT_LAMP = 0x4C414D50 };
+
+// A surface is near a lamp within this share of the distance that seven eighths of the lamp's rays do not exceed: the
+// shade around a lamp covers less, and its room more.
+static const float NEAR_SHARE = 0.1f, ROOM_QUANTILE = 0.875f;
+// The least distance at which the light of a point is computed, as a share of that radius.
+static const float SOFT_SHARE = 0.25f;
+// The most rays that end nearby at unknown surfaces, as a share of those that end nearby.
+static const float MOST_UNKNOWN = 0.125f;
+
+static bool has_place(const olx_light *light) {
+  return (light->type == OLX_LIGHT_POINT || light->type == OLX_LIGHT_SPOT) && olx_max3(light->emission) > 0.0f;
+}
+
+// What the rays of a lamp meet.
+typedef struct lamp_sights {
+  olx_vec3 directions[OLX_LAMP_RAYS];
+  olx_lamp_sight sights[OLX_LAMP_RAYS];
+  float distances[OLX_LAMP_RAYS]; // sorted
+  uint32_t rays;
+  float solid_angle; // of one ray, sr
+} lamp_sights;
+
+static int by_distance(const void *a, const void *b) {
+  const float p = *(const float *)a, q = *(const float *)b;
+  return p < q ? -1 : p > q;
+}
+
+static void look_around(const olx_light *light, uint32_t number, const olx_lamp_view *view, lamp_sights *s) {
+  const bool spot = light->type == OLX_LIGHT_SPOT;
+  const float height = spot ? 1.0f - light->cosine_outer : 2.0f;
+  s->solid_angle = 2.0f * OLX_PI * height / (float)s->rays;
+  for (uint32_t i = 0; i < s->rays; i++) {
+    const olx_vec2 random = olx_stratified2(i, olx_hash2(number, SALT_LAMP));
+    const float z = 1.0f - height * random.x, r = sqrtf(olx_max(0.0f, 1.0f - z * z)), phi = 2.0f * OLX_PI * random.y;
+    const olx_vec3 local = olx_v3(r * cosf(phi), r * sinf(phi), z);
+    s->directions[i] = olx_normalize(spot ? olx_from_basis(local, light->direction) : local);
+  }
+  view->look(view->user, light->position, s->directions, s->rays, s->sights);
+  for (uint32_t i = 0; i < s->rays; i++) s->distances[i] = olx_min(s->sights[i].distance, view->far);
+  qsort(s->distances, s->rays, sizeof *s->distances, by_distance);
+}
+
+// Returns whether the surfaces that most rays end at within `radius` are known.
+static bool knows(const lamp_sights *s, float radius) {
+  uint32_t near = 0, unknown = 0;
+  for (uint32_t i = 0; i < s->rays; i++) {
+    near += s->sights[i].distance < radius;
+    unknown += s->sights[i].distance < radius && !s->sights[i].known;
+  }
+  return (float)unknown <= MOST_UNKNOWN * (float)near;
+}
+
+// Adds the points of a lamp's rays that end within `radius`.
+static void add_points(olx_near_lamps *l, const olx_light *light, float radius, const lamp_sights *s) {
+  for (uint32_t i = 0; i < s->rays; i++) {
+    const olx_lamp_sight *sight = &s->sights[i];
+    if (!(sight->distance < radius) || !sight->known) continue;
+    olx_vec3 intensity = olx_scale(olx_mul(light->emission, sight->albedo), s->solid_angle / OLX_PI);
+    if (light->type == OLX_LIGHT_SPOT) {
+      const float cosine = olx_dot(s->directions[i], light->direction);
+      intensity = olx_scale(intensity, olx_spot_falloff(light->cosine_inner, light->cosine_outer, cosine));
+    }
+    l->needs |= sight->needs;
+    const float weight = olx_luminance(intensity), soft = SOFT_SHARE * radius;
+    if (!(weight > 0.0f)) continue;
+    l->sums[l->count] = weight;
+    l->points[l->count++] = (olx_lamp_point){sight->position, sight->normal, intensity, soft * soft};
+  }
+}
+
+static void add_lamp(olx_near_lamps *l, const olx_light *light, uint32_t number, const olx_lamp_view *view,
+                     lamp_sights *s) {
+  if (!has_place(light)) return;
+  look_around(light, number, view, s);
+  l->rays += s->rays;
+  const float radius = NEAR_SHARE * s->distances[(uint32_t)(ROOM_QUANTILE * (float)s->rays)];
+  if (s->distances[0] >= radius || !knows(s, radius)) return;
+  l->radius[number] = radius;
+  add_points(l, light, radius, s);
+}
+
+// Returns the number of rays of each lamp.
+static uint32_t rays_a_lamp(const olx_lamp_view *view, uint32_t lamps) {
+  uint32_t rays = view->rays;
+  while (rays > OLX_LEAST_LAMP_RAYS && (uint64_t)rays * lamps > view->all_rays) rays /= 2;
+  return rays;
+}
+
+olx_result olx_near_lamps_create(olx_near_lamps *l, const olx_light *lights, uint32_t count,
+                                 const olx_lamp_view *view) {
+  uint32_t lamps = 0;
+  *l = (olx_near_lamps){0};
+  for (uint32_t i = 0; i < count; i++) lamps += has_place(&lights[i]);
+  if (lamps == 0) return OLX_OK;
+  const uint32_t rays = rays_a_lamp(view, lamps);
+  lamp_sights *s = olx_allocate(1, sizeof *s);
+  l->radius = olx_allocate_zero(count, sizeof *l->radius);
+  l->points = olx_allocate((size_t)lamps * rays, sizeof *l->points);
+  l->sums = olx_allocate((size_t)lamps * rays + 1, sizeof *l->sums);
+  if (s && l->radius && l->points && l->sums) {
+    s->rays = rays;
+    for (uint32_t i = 0; i < count; i++) add_lamp(l, &lights[i], i, view, s);
+    const uint64_t cast = l->rays;
+    if (l->count == 0 || !olx_distribution_build(l->sums, l->count, l->sums)) olx_near_lamps_free(l);
+    l->rays = cast;
+    olx_release(s);
+    return OLX_OK;
+  }
+  olx_release(s);
+  olx_near_lamps_free(l);
+  return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for surfaces near %u lamps", lamps);
+}
+
+void olx_near_lamps_free(olx_near_lamps *l) {
+  olx_release(l->radius);
+  olx_release(l->points);
+  olx_release(l->sums);
+  *l = (olx_near_lamps){0};
+}
+
+bool olx_near_lamps_draw(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
+  const uint32_t i = olx_distribution_draw(l->sums, l->count, random, NULL);
+  const olx_lamp_point *p = &l->points[i];
+  const olx_vec3 way = olx_sub(p->position, position);
+  const float squared = olx_dot(way, way);
+  if (!(squared > 0.0f)) return false;
+  const olx_vec3 direction = olx_scale(way, 1.0f / sqrtf(squared));
+  const float cosine = -olx_dot(direction, p->normal);
+  if (cosine <= 0.0f) return false;
+  const float share = cosine / (olx_max(squared, p->soft_squared) * olx_distribution_probability(l->sums, i));
+  *ray = (olx_lamp_ray){.direction = direction, .target = p->position, .irradiance = olx_scale(p->intensity, share)};
+  return true;
+}

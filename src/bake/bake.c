@@ -207,7 +207,6 @@ olx_scene_light_settings olx_bake_light_settings(const olx_bake_run *b) {
   settings.threads = s->threads;
   settings.store = b->store;
   settings.keep_rays = olx_bake_keeps_rays(b);
-  if (settings.keep_rays) settings.inputs = olx_scene_hash_inputs(b->context.scene);
   settings.link_folder = b->link_folder;
   return settings;
 }
@@ -217,6 +216,7 @@ static olx_result solve_light(olx_bake_run *b) {
   olx_task_stage(&b->context.task, "light");
   olx_scene_light_settings settings = olx_bake_light_settings(b);
   settings.task = &b->context.task;
+  if (settings.keep_rays) OLX_TRY(olx_scene_hash_inputs(b->context.scene, &settings.inputs));
   OLX_TRY(olx_scene_light_create(b->context.scene, &settings, b->context.probes.light_field.positions,
                                  b->context.probes.light_field.flags, b->context.probes.light_field.count, &b->light));
   const olx_scene_light_report report = olx_scene_light_describe(b->light);

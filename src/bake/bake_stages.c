@@ -553,7 +553,8 @@ olx_result olx_bake_probes(olx_bake_run *b) {
   olx_task_stage(&b->context.task, "light field");
   OLX_TRY(olx_probe_gathers_create(&s.gathers, b));
   b->surfaces.rows = s.gathers.rows;
-  const olx_result result = olx_units_make(b->store, &stage);
+  olx_result result = olx_units_make(b->store, &stage);
+  if (result == OLX_OK) result = olx_probe_gathers_finish(&s.gathers);
   b->surfaces.rows = NULL;
   olx_probe_gathers_free(&s.gathers);
   olx_relight_sites_free(&s.made.sites);

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { UNIT_FORMAT = 2 }; // format of stored units; to be raised whenever it changes
+enum { UNIT_FORMAT = 3 }; // format of stored units; to be raised whenever it changes
 
 // ---- The identity of a bake
 
@@ -106,8 +106,8 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   add_hashed(&manifest, "settings", &chosen);
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
   olx_manifest_add(&manifest, "stages",
-                   "manifest plan scene light points cast direct bounce lookup facts volume irradiance classic relight "
-                   "gathers probe");
+                   "manifest plan scene light points cast surfels direct bounce lookup facts volume irradiance classic "
+                   "relight gathers probe");
   return manifest;
 }
 

@@ -5,64 +5,28 @@
 #include "core/hooks.h"
 #include "core/result.h"
 
-enum {
-  NEEDS_KINDS = 256, // different sets of slots in a unit; rays with further ones need everything
-  NEEDS_ALL = NEEDS_KINDS - 1,
-  MOST_CAST = UINT16_MAX // rays counted for one ray
-};
+#include <string.h>
 
-// What a unit's rays have in common.
+enum { MOST_CAST = UINT16_MAX }; // rays counted for one ray
+
+// What a unit's rays have in common. The slot OLX_INPUT_SURFELS of the inputs names the surfels.
 typedef struct kept_header {
-  uint64_t surfels_hash;
   olx_scene_inputs inputs;
-  uint64_t needs[NEEDS_KINDS];
   uint32_t count, rays, packets, guided; // surfels, 0 where nothing is kept; rays and packets of each; whether guided
-  uint32_t lights, unused[3];            // 0: fill the struct
+  uint32_t kinds, lights, unused[2];     // number of kinds of rays; 0: fill the struct
 } kept_header;
+
+// What rays of one kind depend on.
+typedef struct ray_kind {
+  uint64_t needs;
+  olx_brick_set crossed;
+} ray_kind;
 
 // Light that a ray brings without its link.
 typedef struct kept_light {
   uint32_t ray, surfaces; // index in the unit, and index in olx_kept_ray.fixed
   olx_vec3 light;
 } kept_light;
-
-// A surfel, without the padding of its struct.
-typedef struct surfel_numbers {
-  uint64_t cell;
-  olx_vec3 position, normal;
-  float side, nearest;
-  uint32_t next, triangle, back_face;
-  float u, v;
-  uint32_t unused; // 0: fills the struct
-} surfel_numbers;
-
-_Static_assert(sizeof(surfel_numbers) == 64, "no padding that the hash would see");
-
-uint64_t olx_surfels_hash(const olx_light_surfels *s) {
-  uint64_t hash[3] = {s->count};
-  for (uint32_t i = 0; i < s->count; i++) {
-    const olx_light_surfel *f = &s->surfels[i];
-    const surfel_numbers numbers = {.cell = f->cell,
-                                    .position = f->position,
-                                    .normal = f->normal,
-                                    .side = f->side,
-                                    .nearest = f->nearest,
-                                    .next = f->next,
-                                    .triangle = f->point.triangle,
-                                    .back_face = f->point.back_face,
-                                    .u = f->point.u,
-                                    .v = f->point.v};
-    hash[1] = olx_content_hash(&numbers, sizeof numbers);
-    hash[0] = olx_content_hash(hash, sizeof hash);
-  }
-  for (uint32_t i = 0; i < s->table.capacity; i++) {
-    if (s->table.keys[i] == 0) continue;
-    hash[1] = s->table.keys[i];
-    hash[2] = s->table.values[i];
-    hash[0] = olx_content_hash(hash, sizeof hash);
-  }
-  return hash[0];
-}
 
 static uint32_t packets_of(uint32_t rays) { return (rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET; }
 
@@ -84,41 +48,66 @@ void olx_kept_rays_free(olx_kept_rays *kept) {
 
 static bool has_light(olx_vec3 light) { return light.x != 0.0f || light.y != 0.0f || light.z != 0.0f; }
 
-// Returns the number of a set of slots, which is added to the header's unless it is known.
-static uint8_t kind_of(kept_header *header, uint32_t *kinds, uint64_t needs) {
-  for (uint32_t i = *kinds; i-- > 0;) {
-    if (header->needs[i] == needs) return (uint8_t)i;
-  }
-  if (*kinds == NEEDS_ALL) return NEEDS_ALL;
-  header->needs[*kinds] = needs;
-  return (uint8_t)(*kinds)++;
-}
-
 // The arrays that are saved beside the header.
 typedef struct kept_arrays {
   uint32_t *surfels;
-  uint8_t *kinds; // of each ray
-  uint16_t *cast; // of each ray
+  uint32_t *kinds; // of each ray
+  ray_kind *table; // of kinds
+  uint16_t *cast;  // of each ray
   kept_light *lights;
 } kept_arrays;
+
+static void free_arrays(kept_arrays *arrays) {
+  olx_release(arrays->surfels);
+  olx_release(arrays->kinds);
+  olx_release(arrays->table);
+  olx_release(arrays->cast);
+  olx_release(arrays->lights);
+}
+
+// Numbers the kinds of rays: `slots` is a hash table of their numbers plus one, whose size is a power of two.
+static void number_kinds(const olx_kept_rays *kept, size_t rays, uint32_t *slots, size_t slot_count,
+                         kept_header *header, kept_arrays *arrays) {
+  for (size_t i = 0; i < rays; i++) {
+    const ray_kind kind = {kept->rays[i].needs, kept->rays[i].crossed};
+    size_t slot = olx_content_hash(&kind, sizeof kind) & (slot_count - 1);
+    while (slots[slot] && memcmp(&arrays->table[slots[slot] - 1], &kind, sizeof kind) != 0) {
+      slot = (slot + 1) & (slot_count - 1);
+    }
+    if (slots[slot] == 0) {
+      arrays->table[header->kinds++] = kind;
+      slots[slot] = header->kinds;
+    }
+    arrays->kinds[i] = slots[slot] - 1;
+  }
+}
+
+static bool make_kinds(const olx_kept_rays *kept, size_t rays, kept_header *header, kept_arrays *arrays) {
+  size_t slot_count = 64;
+  while (slot_count < 2 * rays) slot_count *= 2;
+  uint32_t *slots = olx_allocate_zero(slot_count, sizeof *slots);
+  arrays->kinds = olx_allocate(rays, sizeof *arrays->kinds);
+  arrays->table = olx_allocate(rays, sizeof *arrays->table);
+  const bool allocated = slots && arrays->kinds && arrays->table;
+  if (allocated) number_kinds(kept, rays, slots, slot_count, header, arrays);
+  olx_release(slots);
+  return allocated;
+}
 
 static bool fill_arrays(const olx_kept_rays *kept, const olx_link_batch *batch, kept_header *header,
                         kept_arrays *arrays) {
   const size_t rays = (size_t)batch->count * batch->rays;
-  uint32_t kinds = 0;
   for (size_t i = 0; i < rays; i++) {
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) header->lights += has_light(kept->rays[i].fixed[k]);
   }
   arrays->surfels = olx_allocate(batch->count, sizeof *arrays->surfels);
-  arrays->kinds = olx_allocate(rays, 1);
   arrays->cast = olx_allocate(rays, sizeof *arrays->cast);
   arrays->lights = olx_allocate(header->lights, sizeof *arrays->lights);
-  if (!arrays->surfels || !arrays->kinds || !arrays->cast || !arrays->lights) return false;
+  if (!arrays->surfels || !arrays->cast || !arrays->lights || !make_kinds(kept, rays, header, arrays)) return false;
   for (uint32_t n = 0; n < batch->count; n++) arrays->surfels[n] = olx_link_surfel(batch, n);
   uint32_t lights = 0;
   for (size_t i = 0; i < rays; i++) {
     const olx_kept_ray *ray = &kept->rays[i];
-    arrays->kinds[i] = kind_of(header, &kinds, ray->needs);
     arrays->cast[i] = (uint16_t)(ray->cast < MOST_CAST ? ray->cast : MOST_CAST);
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
       if (has_light(ray->fixed[k])) arrays->lights[lights++] = (kept_light){(uint32_t)i, k, ray->fixed[k]};
@@ -127,12 +116,11 @@ static bool fill_arrays(const olx_kept_rays *kept, const olx_link_batch *batch, 
   return true;
 }
 
-void olx_kept_rays_save(const olx_kept_rays *kept, const olx_link_batch *batch, uint64_t surfels_hash,
-                        const olx_scene_inputs *inputs, olx_byte_writer *to) {
+void olx_kept_rays_save(const olx_kept_rays *kept, const olx_link_batch *batch, const olx_scene_inputs *inputs,
+                        olx_byte_writer *to) {
   const size_t rays = (size_t)batch->count * batch->rays;
-  kept_header header = {.surfels_hash = surfels_hash, .inputs = *inputs};
+  kept_header header = {.inputs = *inputs};
   kept_arrays arrays = {0};
-  header.needs[NEEDS_ALL] = UINT64_MAX;
   if (kept->checks) {
     header.count = batch->count;
     header.rays = batch->rays;
@@ -144,26 +132,26 @@ void olx_kept_rays_save(const olx_kept_rays *kept, const olx_link_batch *batch, 
   if (kept->checks && !to->failed) {
     olx_bytes_put(to, arrays.surfels, batch->count, sizeof *arrays.surfels);
     olx_bytes_put(to, kept->checks, (size_t)batch->count * header.packets, sizeof *kept->checks);
-    olx_bytes_put(to, arrays.kinds, rays, 1);
+    olx_bytes_put(to, arrays.kinds, rays, sizeof *arrays.kinds);
+    olx_bytes_put(to, arrays.table, header.kinds, sizeof *arrays.table);
     olx_bytes_put(to, arrays.cast, rays, sizeof *arrays.cast);
     olx_bytes_put(to, arrays.lights, header.lights, sizeof *arrays.lights);
   }
-  olx_release(arrays.surfels);
-  olx_release(arrays.kinds);
-  olx_release(arrays.cast);
-  olx_release(arrays.lights);
+  free_arrays(&arrays);
 }
 
 // ---- Former rays
 
 // A unit of rays that were cast for another scene, as pointers into its bytes.
 typedef struct olx_former_unit {
-  void *data;       // owned
-  uint64_t changed; // slots of the scene's inputs that differ
+  void *data;                        // owned
+  const olx_former_surfels *earlier; // its surfels; NULL: those of now
+  bool *holds;                       // of each kind: whether nothing has changed that its rays depend on; owned
   const kept_header *header;
   const uint32_t *surfels;
   const uint64_t *checks;
-  const uint8_t *kinds;
+  const uint32_t *kinds;
+  const ray_kind *table;
   const uint16_t *cast;
   const kept_light *lights;
   const olx_link *links;
@@ -178,7 +166,8 @@ static void read_kept(olx_byte_reader *from, olx_former_unit *unit) {
   const size_t rays = (size_t)h->count * h->rays;
   unit->surfels = olx_bytes_get(from, h->count, sizeof *unit->surfels);
   unit->checks = olx_bytes_get(from, (size_t)h->count * h->packets, sizeof *unit->checks);
-  unit->kinds = olx_bytes_get(from, rays, 1);
+  unit->kinds = olx_bytes_get(from, rays, sizeof *unit->kinds);
+  unit->table = olx_bytes_get(from, h->kinds, sizeof *unit->table);
   unit->cast = olx_bytes_get(from, rays, sizeof *unit->cast);
   unit->lights = olx_bytes_get(from, h->lights, sizeof *unit->lights);
 }
@@ -188,24 +177,21 @@ void olx_kept_rays_skip(olx_byte_reader *from) {
   read_kept(from, &unit);
 }
 
-static uint64_t changed_slots(const olx_scene_inputs *a, const olx_scene_inputs *b) {
-  uint64_t changed = 0;
-  for (uint32_t i = 0; i < OLX_INPUT_SLOTS; i++) changed |= (uint64_t)(a->slots[i] != b->slots[i]) << i;
-  return changed;
+// Finds whose surfels a unit has; returns false where they are unknown.
+static bool find_surfels(olx_former_unit *unit, const olx_former_rays *former) {
+  const olx_surfels_name own = olx_surfels_name_of(&unit->header->inputs), now = olx_surfels_name_of(&former->inputs);
+  if (olx_surfels_same_name(&own, &now)) return true;
+  unit->earlier = former->surfels;
+  return former->surfels && former->surfels->count > 0 && olx_surfels_same_name(&own, &former->surfels->name);
 }
 
-// Finds the parts of a unit's bytes, in the order in which they were saved; returns false where they are not for these
-// surfels and surfaces.
-static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, uint64_t surfels_hash,
-                      const olx_scene_inputs *inputs) {
+// Finds the parts of a unit's bytes, in the order in which they were saved; returns false where they are of no use.
+static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, const olx_former_rays *former) {
   read_kept(from, unit);
   const kept_header *h = unit->header;
-  if (from->failed || h->count == 0 || h->surfels_hash != surfels_hash || h->inputs.surfaces != inputs->surfaces) {
-    return false;
-  }
+  if (from->failed || h->count == 0 || !find_surfels(unit, former)) return false;
   const size_t links = (size_t)h->count * h->rays;
   uint32_t points = 0;
-  unit->changed = changed_slots(&h->inputs, inputs);
   olx_bytes_get(from, 1, sizeof(uint64_t));
   unit->links = olx_bytes_get(from, links, sizeof *unit->links);
   if (!h->guided) olx_bytes_get(from, links, sizeof(float));
@@ -213,6 +199,19 @@ static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, uint64_t sur
   olx_bytes_copy(from, &points, 1, sizeof points);
   unit->points = olx_bytes_get(from, points, sizeof *unit->points);
   return !from->failed;
+}
+
+static olx_result judge_kinds(olx_former_unit *unit, const olx_former_rays *former) {
+  const uint64_t changed = olx_inputs_changed(&unit->header->inputs, &former->inputs);
+  const uint32_t kinds = unit->header->kinds;
+  unit->holds = olx_allocate(kinds, sizeof *unit->holds);
+  if (!unit->holds) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u kinds of rays", kinds);
+  for (uint32_t i = 0; i < kinds; i++) {
+    const ray_kind *kind = &unit->table[i];
+    unit->holds[i] =
+        !(kind->needs & changed) && !(unit->earlier && olx_brick_sets_meet(&kind->crossed, &unit->earlier->changed));
+  }
+  return OLX_OK;
 }
 
 // Finds the first point and the first light of each packet.
@@ -237,11 +236,11 @@ static olx_result number_packets(olx_former_unit *unit) {
   return OLX_OK;
 }
 
-static olx_result allocate_places(olx_former_rays *former, uint32_t surfel_count) {
+static olx_result allocate_places(olx_former_rays *former) {
+  const uint32_t count = former->now->count;
   if (former->place) return OLX_OK;
-  former->place = olx_allocate_zero(2 * (size_t)surfel_count, sizeof *former->place);
-  former->surfel_count = surfel_count;
-  return former->place ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", surfel_count);
+  former->place = olx_allocate_zero(2 * (size_t)count, sizeof *former->place);
+  return former->place ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
 // Makes room for one more unit.
@@ -256,30 +255,37 @@ static olx_result grow_units(olx_former_rays *former) {
 
 static void free_unit(olx_former_unit *unit) {
   olx_release(unit->data);
+  olx_release(unit->holds);
   olx_release(unit->first_point);
   olx_release(unit->first_light);
 }
 
-static olx_result add_unit(olx_former_rays *former, olx_former_unit *unit, uint32_t surfel_count) {
-  OLX_TRY(allocate_places(former, surfel_count));
+// Returns the surfel that casts the rays of a unit's surfel now; OLX_CELL_NONE when there is none.
+static uint32_t caster_of(const olx_former_rays *former, const olx_former_unit *unit, uint32_t surfel) {
+  if (unit->earlier) surfel = surfel < unit->earlier->count ? unit->earlier->now[surfel] : OLX_CELL_NONE;
+  return surfel < former->now->count ? surfel : OLX_CELL_NONE;
+}
+
+static olx_result add_unit(olx_former_rays *former, olx_former_unit *unit) {
+  OLX_TRY(allocate_places(former));
+  OLX_TRY(judge_kinds(unit, former));
   OLX_TRY(number_packets(unit));
   OLX_TRY(grow_units(former));
   former->units[former->unit_count++] = *unit;
   for (uint32_t n = 0; n < unit->header->count; n++) {
-    const size_t surfel = unit->surfels[n];
-    if (surfel >= surfel_count) continue;
-    former->place[2 * surfel] = former->unit_count;
-    former->place[2 * surfel + 1] = n;
+    const uint32_t surfel = caster_of(former, unit, unit->surfels[n]);
+    if (surfel == OLX_CELL_NONE) continue;
+    former->place[2 * (size_t)surfel] = former->unit_count;
+    former->place[2 * (size_t)surfel + 1] = n;
   }
   return OLX_OK;
 }
 
-olx_result olx_former_rays_add(olx_former_rays *former, void *data, size_t size_bytes, uint32_t surfel_count,
-                               uint64_t surfels_hash, const olx_scene_inputs *inputs) {
+olx_result olx_former_rays_add(olx_former_rays *former, void *data, size_t size_bytes) {
   olx_byte_reader reader = {.data = data, .size_bytes = size_bytes};
   olx_former_unit unit = {.data = data};
-  const bool holds = read_unit(&unit, &reader, surfels_hash, inputs);
-  const olx_result result = holds ? add_unit(former, &unit, surfel_count) : OLX_OK;
+  const bool holds = read_unit(&unit, &reader, former);
+  const olx_result result = holds ? add_unit(former, &unit) : OLX_OK;
   if (!holds || result != OLX_OK) free_unit(&unit);
   return result;
 }
@@ -299,7 +305,8 @@ olx_former_packet olx_former_rays_find(const olx_former_rays *former, uint32_t s
   if (packet >= unit->header->packets) return (olx_former_packet){0};
   const size_t number = n * unit->header->packets + packet;
   if (unit->checks[number] != check) return (olx_former_packet){0};
-  return (olx_former_packet){.unit = unit,
+  return (olx_former_packet){.rays = former,
+                             .unit = unit,
                              .at = n * unit->header->rays + (size_t)packet * OLX_LINK_PACKET,
                              .point = unit->first_point[number],
                              .light = unit->first_light[number]};
@@ -308,14 +315,16 @@ olx_former_packet olx_former_rays_find(const olx_former_rays *former, uint32_t s
 olx_former_ray olx_former_packet_next(olx_former_packet *p) {
   const olx_former_unit *unit = p->unit;
   const size_t at = p->at++;
+  const uint32_t kind = unit->kinds[at];
   olx_former_ray ray = {.link = unit->links[at], .point = &unit->points[p->point]};
-  ray.kept.needs = unit->header->needs[unit->kinds[at]];
+  ray.kept.needs = unit->table[kind].needs;
+  ray.kept.crossed = unit->table[kind].crossed;
   ray.kept.cast = unit->cast[at];
-  ray.holds = !(ray.kept.needs & unit->changed);
   p->point += olx_link_end(&ray.link) == OLX_LINK_UNSERVED;
   for (; p->light < unit->header->lights && unit->lights[p->light].ray == at; p->light++) {
     const kept_light *light = &unit->lights[p->light];
     ray.kept.fixed[light->surfaces] = light->light;
   }
+  ray.holds = unit->holds[kind] && olx_link_still_ends(&ray.link, ray.point, unit->earlier, p->rays->now);
   return ray;
 }

@@ -52,10 +52,13 @@ olx_vec3 olx_lamp_irradiance(const olx_near_lamps *l, const olx_scene *scene, co
   return olx_scale(olx_lamp_light(l, scene, &shading, sampler, rays).diffuse, OLX_PI);
 }
 
-bool olx_lamp_ray_free(const olx_near_lamps *l, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
-                       olx_lamp_ray *ray, uint64_t *rays) {
-  if (l->count == 0 || !olx_near_lamps_draw(l, position, olx_sampler_next(sampler), ray)) return false;
-  const olx_ray shadow = {position, ray->direction, 0.0f, olx_length(olx_sub(ray->target, position))};
+bool olx_lamp_light_draw(const olx_near_lamps *l, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
+                         olx_lamp_beam *beam, uint64_t *rays) {
+  olx_lamp_ray drawn;
+  if (l->count == 0 || !olx_near_lamps_draw(l, position, olx_sampler_next(sampler), &drawn)) return false;
+  const olx_ray ray = {position, drawn.direction, 0.0f, olx_length(olx_sub(drawn.target, position))};
   ++*rays;
-  return !olx_bvh_occluded(scene->bvh, &shadow);
+  if (olx_bvh_occluded(scene->bvh, &ray)) return false;
+  *beam = (olx_lamp_beam){drawn.direction, drawn.irradiance};
+  return true;
 }

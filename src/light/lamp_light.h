@@ -9,6 +9,12 @@
 // smoother lobe shows a light to one ray in thousands, which then brings thousands of times the mean.
 #define OLX_LEAST_LAMP_ALPHA 0.1f
 
+// Light that arrives at a place from one direction.
+typedef struct olx_lamp_beam {
+  olx_vec3 direction;  // unit, towards its origin
+  olx_vec3 irradiance; // of a surface that faces it, W/m^2
+} olx_lamp_beam;
+
 // Finds the points of the scene's lights. `needs` are the slots of olx_scene_inputs that they depend on. On failure
 // nothing has to be freed.
 olx_result olx_lamp_light_create(olx_near_lamps *lamps, const olx_scene *scene);
@@ -20,9 +26,9 @@ olx_lobes olx_lamp_light(const olx_near_lamps *lamps, const olx_scene *scene, co
 // Returns an estimate of their irradiance about surface->shading_normal, W/m^2.
 olx_vec3 olx_lamp_irradiance(const olx_near_lamps *lamps, const olx_scene *scene, const olx_surface *surface,
                              olx_sampler *sampler, uint64_t *rays);
-// Draws one of the points and the light that it sends to a place in free space, with a shadow ray; the mean of
-// ray->irradiance over samples is the light of all points. Returns false for a sample without light.
-bool olx_lamp_ray_free(const olx_near_lamps *lamps, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
-                       olx_lamp_ray *ray, uint64_t *rays);
+// Draws one of the points and returns the light that it sends to a place in free space; the mean over samples is the
+// light of all points. Returns false for a sample without light.
+bool olx_lamp_light_draw(const olx_near_lamps *lamps, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
+                         olx_lamp_beam *beam, uint64_t *rays);
 
 #endif

@@ -112,6 +112,16 @@ static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surf
   return head;
 }
 
+uint64_t olx_light_surfels_cell(const olx_cell_table *table, uint64_t finest_key) {
+  uint64_t cell = 0;
+  for (uint32_t level = FIRST_LEVEL + 1; level-- > 0;) {
+    const uint64_t key = olx_cell_at_level(finest_key, level);
+    if (olx_cell_table_get(table, key) == OLX_CELL_NONE) break;
+    cell = key;
+  }
+  return cell;
+}
+
 olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t finest_key, const olx_surface *surface,
                                         float most_side) {
   olx_surfel_found found = {.surfel = OLX_CELL_NONE};

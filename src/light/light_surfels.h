@@ -64,6 +64,9 @@ olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_p
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);
 
+// Returns the key of the smallest cell of a table that holds a point with the given finest key; 0 when there is none.
+uint64_t olx_light_surfels_cell(const olx_cell_table *table, uint64_t finest_key);
+
 // The surfel that covers a point.
 typedef struct olx_surfel_found {
   uint32_t surfel; // OLX_CELL_NONE when there is none

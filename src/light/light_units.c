@@ -16,14 +16,14 @@ enum { DIRECT_A_UNIT = 1 << 12 }; // surfels
 typedef struct cast_stage {
   olx_scene_light *light;
   uint32_t round;
-  bool settled;         // later steps hold everything that its rays found, except links
-  olx_link_batch part;  // surfels of the latest unit, with their links
-  uint64_t rays;        // rays that it cast
-  olx_point_list found; // its ray ends without a surfel
-  bool owns_links;      // whether `part` owns its links
-  uint64_t surfels_hash;
-  olx_kept_rays kept;     // of the latest unit
-  olx_former_rays former; // rays of the round for another scene
+  bool settled;               // later steps hold everything that its rays found, except links
+  olx_link_batch part;        // surfels of the latest unit, with their links
+  uint64_t rays;              // rays that it cast
+  olx_point_list found;       // its ray ends without a surfel
+  bool owns_links;            // whether `part` owns its links
+  olx_kept_rays kept;         // of the latest unit
+  olx_former_rays former;     // rays of the round for another scene
+  olx_former_surfels earlier; // surfels of that scene
 } cast_stage;
 
 // A part of a batch.
@@ -118,7 +118,7 @@ static void save_cast(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const cast_stage *c = user;
   const size_t links = (size_t)c->part.count * c->part.rays;
-  olx_kept_rays_save(&c->kept, &c->part, c->surfels_hash, &c->light->settings.inputs, to);
+  olx_kept_rays_save(&c->kept, &c->part, &c->former.inputs, to);
   olx_bytes_put(to, &c->rays, 1, sizeof c->rays);
   olx_bytes_put(to, c->part.links, links, sizeof *c->part.links);
   if (c->part.fixed) olx_bytes_put(to, c->part.fixed, links, sizeof *c->part.fixed);
@@ -185,16 +185,35 @@ static olx_result cast_whole(olx_scene_light *l) {
   return OLX_OK;
 }
 
+static void save_surfels_of(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  const cast_stage *c = user;
+  olx_surfels_remember(&c->light->surfels, &c->former.inputs, to);
+}
+
+// The surfels that the rays of a round may end at. Only bakes of edited scenes read them.
+static olx_unit_stage surfels_of(cast_stage *c) {
+  return (olx_unit_stage){"surfels", c->round, 1, c, NULL, save_surfels_of, NULL, OLX_PARTS_ALL};
+}
+
 // Reads the rays of the round that were cast for another scene.
 static olx_result read_former(cast_stage *c, const olx_unit_stage *stage) {
   olx_scene_light *l = c->light;
   void *data;
   size_t size_bytes;
   if (!l->settings.keep_rays) return OLX_OK;
-  c->surfels_hash = olx_surfels_hash(&l->surfels);
+  const olx_unit_stage surfels = surfels_of(c);
+  c->former = (olx_former_rays){.now = &l->surfels, .surfels = &c->earlier};
+  c->former.inputs = olx_surfels_inputs(&l->surfels, olx_surfels_hash(&l->surfels), &l->settings.inputs);
+  olx_units_read_stale(l->settings.store, &surfels, 0, &data, &size_bytes);
+  if (data) {
+    olx_byte_reader reader = {.data = data, .size_bytes = size_bytes};
+    const olx_result result = olx_former_surfels_read(&c->earlier, &reader, &l->surfels, &c->former.inputs);
+    olx_release(data);
+    OLX_TRY(result);
+  }
   for (uint32_t unit = 0; olx_units_read_stale(l->settings.store, stage, unit, &data, &size_bytes); unit++) {
-    if (!data) continue;
-    OLX_TRY(olx_former_rays_add(&c->former, data, size_bytes, l->surfels.count, c->surfels_hash, &l->settings.inputs));
+    if (data) OLX_TRY(olx_former_rays_add(&c->former, data, size_bytes));
   }
   return OLX_OK;
 }
@@ -204,11 +223,14 @@ static olx_result cast_round(olx_scene_light *l) {
   cast_stage c = {.light = l, .round = l->round};
   if (!olx_unit_store_is_part(store)) OLX_TRY(make_room(l, l->round));
   if (!store) return cast_whole(l);
-  const olx_unit_stage stage = stage_of(&c);
+  const olx_unit_stage stage = stage_of(&c), surfels = surfels_of(&c);
   olx_result result = read_former(&c, &stage);
   if (result == OLX_OK) result = olx_units_make(store, &stage);
+  // The earlier surfels make way last, so that an interrupted round goes on with them.
+  if (result == OLX_OK && l->settings.keep_rays) result = olx_unit_keep(store, &surfels);
   release_part(&c);
   olx_former_rays_free(&c.former);
+  olx_former_surfels_free(&c.earlier);
   return result == OLX_ERROR_INCOMPLETE ? olx_units_await(store, &stage) : result;
 }
 

@@ -10,6 +10,8 @@
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
 
+#include <string.h>
+
 enum {
   SURFELS_PER_JOB = 8,
   SALT_RAY = 0x52415953,
@@ -23,9 +25,10 @@ typedef struct ray_end {
   olx_link link;
   olx_surface_point point; // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST];
-  uint64_t needs; // slots of olx_scene_inputs that it depends on
-  uint64_t cast;  // rays cast for it
-  bool known;     // it need not be cast
+  uint64_t needs;        // slots of olx_scene_inputs that it depends on
+  olx_brick_set crossed; // bricks that it depends on, where rays are kept
+  uint64_t cast;         // rays cast for it
+  bool known;            // it need not be cast
 } ray_end;
 
 typedef struct cast_job {
@@ -35,8 +38,30 @@ typedef struct cast_job {
   olx_point_list *lists; // one per job, or NULL
   uint64_t *rays;        // one per job
   olx_cast_keeping keeping;
-  atomic_bool out_of_memory;
+  olx_ray_log *log; // of the scene that the surfels lie in; NULL: nothing is kept
+  atomic_bool *out_of_memory;
 } cast_job;
+
+// A scene with surfels whose rays are recorded, for one thread.
+typedef struct watched_surfels {
+  olx_ray_log log;
+  olx_bvh bvh;
+  olx_scene scene;
+  olx_light_surfels surfels;
+} watched_surfels;
+
+// Has a job's rays recorded from here on.
+static void watch_job(cast_job *c, watched_surfels *w) {
+  const olx_light_surfels *surfels = c->surfels;
+  w->scene = *surfels->scene;
+  w->log = (olx_ray_log){.bricks = olx_space_bricks_make(w->scene.bounds_min, w->scene.bounds_max)};
+  w->bvh = (olx_bvh){.tree = w->scene.bvh->tree, .log = &w->log};
+  w->scene.bvh = &w->bvh;
+  w->surfels = *surfels;
+  w->surfels.scene = &w->scene;
+  c->surfels = &w->surfels;
+  c->log = &w->log;
+}
 
 static const olx_link no_link = {.end = OLX_LINK_NOWHERE};
 
@@ -45,7 +70,7 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
     const uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
     olx_surface_point *larger = olx_allocate(capacity, sizeof *larger);
     if (!larger) {
-      atomic_store(&c->out_of_memory, true);
+      atomic_store(c->out_of_memory, true);
       return;
     }
     for (uint32_t i = 0; i < list->count; i++) larger[i] = list->points[i];
@@ -156,7 +181,7 @@ static bool pass_specular(const cast_job *c, way *w, const olx_shading *shading,
 // indirect light.
 static bool pass_diffuse(const cast_job *c, way *w, const olx_surface *surface, olx_vec3 weight, ray_end *end,
                          uint64_t *rays) {
-  end->needs |= lights_needed;
+  end->needs |= lights_needed | UINT64_C(1) << OLX_INPUT_SURFELS;
   const olx_vec3 irradiance = direct_irradiance(c, w, surface, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   end->link = no_link;
@@ -249,6 +274,13 @@ static float add_fixed(olx_fixed_light *fixed, const ray_end *end) {
   return luminance;
 }
 
+// Begins the record of a ray with the way to its hit; a ray that brings nothing is not cast, but begins in a brick.
+static void log_first(olx_ray_log *log, const olx_ray *ray, const olx_ray_hit *hit) {
+  log->crossed = (olx_brick_set){0};
+  const float length = !hit ? 0.0f : hit->triangle == OLX_NO_HIT ? INFINITY : hit->t;
+  olx_ray_log_add(log, ray->origin, ray->direction, length);
+}
+
 // Casts up to OLX_LINK_PACKET rays of a surface, from index `first` on, but for those whose ends are known, and records
 // what each brings. A ray's hit does not depend on which other rays are cast with it.
 static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan *plan, uint32_t first, uint32_t count,
@@ -269,16 +301,19 @@ static void cast_packet(cast_job *c, const olx_surface *surface, const ray_plan 
   for (uint32_t i = 0; i < count; i++) {
     if (ends[i].known) continue;
     ends[i] = (ray_end){.link = no_link, .cast = 1};
+    if (c->log) log_first(c->log, &rays[i], valid[i] ? &hits[i] : NULL);
     olx_sampler lamps = {.seed = lamp_seed, .index = first + i};
     add_near_lamps(c, surface, plan->factor, &lamps, &ends[i]);
-    if (!valid[i]) continue;
-    way w = {.lobe = {.direction = rays[i].direction},
-             .origin = rays[i].origin,
-             .throughput = olx_splat(factors[i]),
-             .hit = hits[i],
-             .distance = hits[i].t,
-             .sampler = {.seed = chain_seed, .index = first + i}};
-    follow(c, &w, &ends[i], &ends[i].cast);
+    if (valid[i]) {
+      way w = {.lobe = {.direction = rays[i].direction},
+               .origin = rays[i].origin,
+               .throughput = olx_splat(factors[i]),
+               .hit = hits[i],
+               .distance = hits[i].t,
+               .sampler = {.seed = chain_seed, .index = first + i}};
+      follow(c, &w, &ends[i], &ends[i].cast);
+    }
+    if (c->log) ends[i].crossed = c->log->crossed;
   }
 }
 
@@ -334,6 +369,7 @@ static void take_former(const cast_job *c, uint32_t surfel, uint32_t packet, uin
     const olx_former_ray ray = olx_former_packet_next(&former);
     if (!ray.holds) continue;
     ends[i] = (ray_end){.link = ray.link, .needs = ray.kept.needs, .cast = ray.kept.cast, .known = true};
+    ends[i].crossed = ray.kept.crossed;
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ends[i].fixed[k] = ray.kept.fixed[k];
     if (is_unserved(&ends[i])) ends[i].point = *ray.point;
     reused += ray.kept.cast;
@@ -344,6 +380,7 @@ static void take_former(const cast_job *c, uint32_t surfel, uint32_t packet, uin
 static void keep_end(const cast_job *c, size_t at, const ray_end *end) {
   olx_kept_ray *ray = &c->keeping.kept->rays[at];
   ray->needs = end->needs;
+  ray->crossed = end->crossed;
   ray->cast = (uint32_t)end->cast;
   for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ray->fixed[k] = end->fixed[k];
 }
@@ -402,14 +439,27 @@ static uint64_t check_of_gather(const olx_surface *surface, const ray_plan *plan
   return olx_content_hash(hashes, sizeof hashes);
 }
 
+// Returns whether a ray of a gather still holds, and gives its link the surfel's number of now.
+static bool still_holds(const olx_gather_row *row, const olx_gather_kind *kind, const olx_light_surfels *surfels,
+                        olx_link *link) {
+  if (kind->needs & row->changed || olx_link_end(link) == OLX_LINK_UNSERVED) return false;
+  if (row->earlier && olx_brick_sets_meet(&kind->crossed, &row->earlier->changed)) return false;
+  return olx_link_still_ends(link, NULL, row->earlier, surfels);
+}
+
 // Fills in the ends of rays that were cast for another scene and still hold.
-static void take_gather(olx_gather_row *row, uint64_t check, ray_end ends[OLX_GATHER_RAYS]) {
+static void take_gather(olx_gather_row *row, uint64_t check, const olx_light_surfels *surfels,
+                        ray_end ends[OLX_GATHER_RAYS]) {
   olx_kept_gather former;
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) ends[i] = (ray_end){.link = no_link};
-  if (!row || !olx_gather_row_find(row, check, &former)) return;
+  olx_gather_kind table[OLX_GATHER_RAYS];
+  if (!row || !olx_gather_row_find(row, check, &former) || !olx_gather_read_kinds(&former, table)) return;
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
-    if (former.kinds[i] >= former.needs_count || former.needs[former.kinds[i]] & row->changed) continue;
-    ends[i] = (ray_end){.link = former.links[i], .needs = former.needs[former.kinds[i]], .known = true};
+    olx_link link = former.links[i];
+    if (former.kinds[i] >= former.kind_count) continue;
+    const olx_gather_kind *kind = &table[former.kinds[i]];
+    if (!still_holds(row, kind, surfels, &link)) continue;
+    ends[i] = (ray_end){.link = link, .needs = kind->needs, .crossed = kind->crossed, .known = true};
     row->reused++;
   }
   for (uint32_t i = 0; i < former.light_count; i++) {
@@ -420,44 +470,54 @@ static void take_gather(olx_gather_row *row, uint64_t check, ray_end ends[OLX_GA
   }
 }
 
-static uint8_t kind_of(uint64_t needs[OLX_GATHER_RAYS], uint32_t *count, uint64_t wanted) {
+static uint8_t kind_of(olx_gather_kind table[OLX_GATHER_RAYS], uint32_t *count, const ray_end *end) {
+  const olx_gather_kind wanted = {end->needs, end->crossed};
   uint32_t i = 0;
-  while (i < *count && needs[i] != wanted) i++;
-  if (i == *count) needs[(*count)++] = wanted;
+  while (i < *count && memcmp(&table[i], &wanted, sizeof wanted) != 0) i++;
+  if (i == *count) table[(*count)++] = wanted;
   return (uint8_t)i;
 }
 
 static void keep_gather(olx_gather_row *row, uint64_t check, const ray_end ends[OLX_GATHER_RAYS]) {
   olx_link links[OLX_GATHER_RAYS];
-  uint64_t needs[OLX_GATHER_RAYS];
+  olx_gather_kind table[OLX_GATHER_RAYS];
   uint8_t kinds[OLX_GATHER_RAYS];
   olx_gather_light lights[OLX_GATHER_RAYS * OLX_CHAIN_MOST];
-  olx_kept_gather kept = {.links = links, .needs = needs, .kinds = kinds, .lights = lights};
+  uint64_t needs[OLX_GATHER_RAYS];
+  uint8_t bricks[OLX_GATHER_RAYS * OLX_KIND_BYTES];
+  olx_kept_gather kept = {.links = links, .kinds = kinds, .needs = needs, .bricks = bricks, .lights = lights};
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
     links[i] = ends[i].link;
-    kinds[i] = kind_of(needs, &kept.needs_count, ends[i].needs);
+    kinds[i] = kind_of(table, &kept.kind_count, &ends[i]);
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
       const olx_vec3 light = ends[i].fixed[k];
       if (olx_max3(light) == 0.0f) continue;
       lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
     }
   }
+  for (uint32_t i = 0; i < kept.kind_count; i++) {
+    needs[i] = table[i].needs;
+    kept.brick_count += olx_gather_write_bricks(&table[i].crossed, bricks + kept.brick_count, &needs[i]);
+  }
   olx_gather_row_keep(row, check, &kept);
 }
 
 olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
                           uint32_t seed, const olx_passed_light *light, olx_gather_row *row) {
+  watched_surfels watched;
   cast_job c = {.surfels = surfels};
   const ray_plan plan = {.pool = pool, .factor = 1.0f, .seed = seed};
   const uint64_t check = row ? check_of_gather(surface, &plan) : 0;
   ray_end ends[OLX_GATHER_RAYS];
   olx_vec3 sum = {0};
-  take_gather(row, check, ends);
+  if (row) watch_job(&c, &watched);
+  take_gather(row, check, surfels, ends);
   for (uint32_t first = 0; first < OLX_GATHER_RAYS; first += OLX_LINK_PACKET) {
     cast_packet(&c, surface, &plan, first, OLX_LINK_PACKET, ends + first);
   }
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) sum = olx_add(sum, gathered(&ends[i], light));
   if (row) keep_gather(row, check, ends);
+  if (row) row->rays += OLX_GATHER_RAYS;
   return olx_scale(sum, 1.0f / OLX_GATHER_RAYS);
 }
 
@@ -471,11 +531,13 @@ olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surfac
 }
 
 static void cast_some(void *user, uint32_t job) {
-  cast_job *c = user;
+  cast_job c = *(const cast_job *)user;
+  watched_surfels watched;
   const uint32_t first = job * SURFELS_PER_JOB;
-  const uint32_t end = first + SURFELS_PER_JOB < c->batch->count ? first + SURFELS_PER_JOB : c->batch->count;
-  for (uint32_t n = first; n < end; n++) cast_surfel(c, n, job);
-  olx_link_batch_rest(c->batch, first, end);
+  const uint32_t end = first + SURFELS_PER_JOB < c.batch->count ? first + SURFELS_PER_JOB : c.batch->count;
+  if (c.keeping.kept) watch_job(&c, &watched);
+  for (uint32_t n = first; n < end; n++) cast_surfel(&c, n, job);
+  olx_link_batch_rest(c.batch, first, end);
 }
 
 // Concatenates the lists of jobs, in the order of jobs.
@@ -493,8 +555,10 @@ static olx_result join_lists(const olx_point_list *lists, uint32_t jobs, olx_poi
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays) {
   const uint32_t jobs = (batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+  atomic_bool out_of_memory = false;
   cast_job c = {.surfels = surfels,
                 .batch = batch,
+                .out_of_memory = &out_of_memory,
                 .fixed = fixed,
                 .lists = unserved ? olx_allocate_zero(jobs, sizeof *c.lists) : NULL,
                 .rays = olx_allocate_zero(jobs, sizeof *c.rays)};
@@ -502,7 +566,7 @@ olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batc
   olx_result result = OLX_OK;
   if (!c.rays || (unserved && !c.lists)) result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for casting rays");
   if (result == OLX_OK) result = olx_parallel_for(jobs, surfels->threads, cast_some, &c, surfels->task, 0);
-  if (result == OLX_OK && atomic_load(&c.out_of_memory)) {
+  if (result == OLX_OK && atomic_load(&out_of_memory)) {
     result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for points of surfaces");
   }
   if (result == OLX_OK && unserved) result = join_lists(c.lists, jobs, unserved);

@@ -89,7 +89,7 @@ olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_li
   return follow(&s, bounces, ray, hit);
 }
 
-bool olx_scene_light_lamp_ray(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position,
-                              olx_sampler *sampler, olx_lamp_ray *lamp, uint64_t *rays) {
-  return olx_lamp_ray_free(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, lamp, rays);
+bool olx_scene_light_beam(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position, olx_sampler *sampler,
+                          olx_lamp_beam *beam, uint64_t *rays) {
+  return olx_lamp_light_draw(&olx_scene_light_open(light).surfels->lamps, scene, position, sampler, beam, rays);
 }

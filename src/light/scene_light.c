@@ -5,7 +5,6 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "light/kept_rays.h"
 #include "light/light_steps.h"
 #include "light/light_units.h"
 
@@ -82,8 +81,6 @@ void olx_scene_light_free(olx_scene_light *l) {
 }
 
 olx_result olx_scene_light_load_links(olx_scene_light *l) { return olx_light_units_load_links(l); }
-
-uint64_t olx_scene_light_surfels_hash(const olx_scene_light *l) { return olx_surfels_hash(&l->surfels); }
 
 uint32_t olx_scene_light_bounces(const olx_scene_light *l) { return l->settings.bounces; }
 

@@ -43,9 +43,6 @@ olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface 
 // light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
 
-// Returns a hash of the surfels: rays for another scene hold only where it is the same.
-uint64_t olx_scene_light_surfels_hash(const olx_scene_light *light);
-
 // Loads links and points into memory, where the solution was loaded without them. Returns OLX_ERROR_INCOMPLETE when
 // some were damaged: the next run that solves the light recomputes them.
 olx_result olx_scene_light_load_links(olx_scene_light *light);

@@ -13,7 +13,8 @@
 
 #define OLX_PACKET 16
 
-struct olx_bvh {
+typedef struct olx_bvh_tree {
+  olx_bvh handle; // of this tree
   const olx_scene *scene;
   RTCDevice device;
   RTCScene accelerator;
@@ -23,14 +24,14 @@ struct olx_bvh {
   uint32_t *triangle_of;
   uint32_t first[2];
   char message[256]; // the last error that Embree reported while the device was set up
-};
+} olx_bvh_tree;
 
-static uint32_t scene_triangle(const olx_bvh *bvh, uint32_t geometry, uint32_t primitive) {
+static uint32_t scene_triangle(const olx_bvh_tree *bvh, uint32_t geometry, uint32_t primitive) {
   return bvh->triangle_of ? bvh->triangle_of[bvh->first[geometry] + primitive] : primitive;
 }
 
 static void remember_message(void *user, enum RTCError code, const char *text) {
-  olx_bvh *bvh = user;
+  olx_bvh_tree *bvh = user;
   snprintf(bvh->message, sizeof bvh->message, "error %d: %s", (int)code, text ? text : "");
 }
 
@@ -41,7 +42,7 @@ static bool is_masked(const olx_scene *scene, uint32_t triangle) {
 // Embree's filter, by which rays pass through masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u,
 // v, primID, in that order.
 static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
-  const olx_bvh *bvh = arguments->geometryUserPtr;
+  const olx_bvh_tree *bvh = arguments->geometryUserPtr;
   const size_t n = arguments->N;
   const float *u = (const float *)arguments->hit + 3 * n, *v = u + n;
   const unsigned int *primitive = (const unsigned int *)arguments->hit + 5 * n;
@@ -51,7 +52,7 @@ static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
   }
 }
 
-static olx_result split_by_mask(olx_bvh *bvh) {
+static olx_result split_by_mask(olx_bvh_tree *bvh) {
   const olx_scene *scene = bvh->scene;
   uint32_t masked = 0;
   for (uint32_t t = 0; t < scene->triangle_count; t++) masked += is_masked(scene, t);
@@ -72,7 +73,7 @@ static bool may_go_on(void *user, double done) {
 }
 
 // Attaches geometry 0 or 1. Returns false when Embree is out of memory.
-static bool attach_geometry(olx_bvh *bvh, uint32_t geometry_id, uint32_t triangle_count, RTCBuffer vertices) {
+static bool attach_geometry(olx_bvh_tree *bvh, uint32_t geometry_id, uint32_t triangle_count, RTCBuffer vertices) {
   if (triangle_count == 0) return true;
   const olx_scene *scene = bvh->scene;
   RTCGeometry geometry = rtcNewGeometry(bvh->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -113,7 +114,7 @@ static olx_instructions best_instructions(void) {
 
 // Builds on one thread: the order of triangles in a leaf, which decides between coincident hits, must not depend on the
 // number of processors.
-static olx_result create_device(olx_bvh *bvh) {
+static olx_result create_device(olx_bvh_tree *bvh) {
   const olx_instructions wanted = bvh->scene->load.instructions;
   char settings[64] = "threads=1,set_affinity=0";
   if (wanted > best_instructions()) {
@@ -127,17 +128,19 @@ static olx_result create_device(olx_bvh *bvh) {
 
 // Reports the instructions in use; Embree may be built without the widest that the processor has.
 olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh) {
-  const olx_instructions wanted = bvh->scene->load.instructions;
+  const olx_instructions wanted = bvh->tree->scene->load.instructions;
   uint32_t used = wanted ? wanted : best_instructions();
-  if (used == OLX_INSTRUCTIONS_AVX512 && !rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
+  if (used == OLX_INSTRUCTIONS_AVX512 &&
+      !rtcGetDeviceProperty(bvh->tree->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
     used = OLX_INSTRUCTIONS_AVX2;
-  if (used >= OLX_INSTRUCTIONS_AVX && !rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
+  if (used >= OLX_INSTRUCTIONS_AVX &&
+      !rtcGetDeviceProperty(bvh->tree->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))
     used = OLX_INSTRUCTIONS_SSE42;
-  const ssize_t version = rtcGetDeviceProperty(bvh->device, RTC_DEVICE_PROPERTY_VERSION);
+  const ssize_t version = rtcGetDeviceProperty(bvh->tree->device, RTC_DEVICE_PROPERTY_VERSION);
   return (olx_bvh_engine){(uint32_t)version, instruction_names[used]};
 }
 
-static olx_result build(olx_bvh *bvh) {
+static olx_result build(olx_bvh_tree *bvh) {
   const olx_scene *scene = bvh->scene;
   OLX_TRY(create_device(bvh));
   if (!bvh->device) {
@@ -170,25 +173,27 @@ static olx_result build(olx_bvh *bvh) {
 
 olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **result_bvh) {
   *result_bvh = NULL;
-  olx_bvh *bvh = olx_allocate_zero(1, sizeof *bvh);
-  if (!bvh) return olx_fail(OLX_ERROR_MEMORY, "ray caster: no memory");
-  bvh->scene = scene;
+  olx_bvh_tree *tree = olx_allocate_zero(1, sizeof *tree);
+  if (!tree) return olx_fail(OLX_ERROR_MEMORY, "ray caster: no memory");
+  tree->scene = scene;
+  tree->handle.tree = tree;
   olx_result result;
-  OLX_TRY_GOTO(split_by_mask(bvh), failed);
-  OLX_TRY_GOTO(build(bvh), failed);
-  *result_bvh = bvh;
+  OLX_TRY_GOTO(split_by_mask(tree), failed);
+  OLX_TRY_GOTO(build(tree), failed);
+  *result_bvh = &tree->handle;
   return OLX_OK;
 failed:
-  olx_bvh_free(bvh);
+  olx_bvh_free(&tree->handle);
   return result;
 }
 
 void olx_bvh_free(olx_bvh *bvh) {
   if (!bvh) return;
-  if (bvh->accelerator) rtcReleaseScene(bvh->accelerator);
-  if (bvh->device) rtcReleaseDevice(bvh->device);
-  olx_release(bvh->triangle_of);
-  olx_release(bvh);
+  olx_bvh_tree *tree = bvh->tree;
+  if (tree->accelerator) rtcReleaseScene(tree->accelerator);
+  if (tree->device) rtcReleaseDevice(tree->device);
+  olx_release(tree->triangle_of);
+  olx_release(tree);
 }
 
 static struct RTCIntersectContext make_context(bool coherent) {
@@ -216,9 +221,11 @@ olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray) {
   if (!(ray->t_max >= ray->t_min)) return (olx_ray_hit){.triangle = OLX_NO_HIT};
   struct RTCIntersectContext context = make_context(false);
   struct RTCRayHit query = {.ray = single_ray(ray), .hit.geomID = RTC_INVALID_GEOMETRY_ID};
-  rtcIntersect1(bvh->accelerator, &context, &query);
+  rtcIntersect1(bvh->tree->accelerator, &context, &query);
+  // Without a hit tfar is still t_max.
+  if (bvh->log) olx_ray_log_add(bvh->log, ray->origin, ray->direction, query.ray.tfar);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return (olx_ray_hit){.triangle = OLX_NO_HIT};
-  return (olx_ray_hit){.triangle = scene_triangle(bvh, query.hit.geomID, query.hit.primID),
+  return (olx_ray_hit){.triangle = scene_triangle(bvh->tree, query.hit.geomID, query.hit.primID),
                        .t = query.ray.tfar,
                        .u = query.hit.u,
                        .v = query.hit.v};
@@ -228,7 +235,8 @@ bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) {
   if (!(ray->t_max >= ray->t_min)) return true;
   struct RTCIntersectContext context = make_context(false);
   struct RTCRay query = single_ray(ray);
-  rtcOccluded1(bvh->accelerator, &context, &query);
+  rtcOccluded1(bvh->tree->accelerator, &context, &query);
+  if (bvh->log) olx_ray_log_add(bvh->log, ray->origin, ray->direction, ray->t_max);
   return query.tfar < 0.0f;
 }
 
@@ -252,7 +260,7 @@ static float triangle_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b, olx_vec3 c) {
 }
 
 static bool shrink_query(struct RTCPointQueryFunctionArguments *arguments) {
-  const olx_bvh *bvh = arguments->userPtr;
+  const olx_bvh_tree *bvh = arguments->userPtr;
   const olx_scene *scene = bvh->scene;
   const uint32_t *i = scene->indices + 3 * (size_t)scene_triangle(bvh, arguments->geomID, arguments->primID);
   struct RTCPointQuery *query = arguments->query;
@@ -267,7 +275,7 @@ float olx_bvh_distance(const olx_bvh *bvh, olx_vec3 point, float limit) {
   struct RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   struct RTCPointQuery query = {.x = point.x, .y = point.y, .z = point.z, .radius = limit};
-  rtcPointQuery(bvh->accelerator, &query, &context, shrink_query, (void *)(uintptr_t)bvh);
+  rtcPointQuery(bvh->tree->accelerator, &query, &context, shrink_query, bvh->tree);
   return query.radius;
 }
 
@@ -315,12 +323,12 @@ void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t co
     const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
     pack_rays(fill_up(rays + start, here, padded), &packet.ray, valid);
     for (uint32_t i = 0; i < OLX_PACKET; i++) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16(valid, bvh->accelerator, &context, &packet);
+    rtcIntersect16(valid, bvh->tree->accelerator, &context, &packet);
     for (uint32_t i = 0; i < here; i++) {
       const uint32_t geometry = packet.hit.geomID[i];
       hits[start + i] = geometry == RTC_INVALID_GEOMETRY_ID
                             ? (olx_ray_hit){.triangle = OLX_NO_HIT}
-                            : (olx_ray_hit){.triangle = scene_triangle(bvh, geometry, packet.hit.primID[i]),
+                            : (olx_ray_hit){.triangle = scene_triangle(bvh->tree, geometry, packet.hit.primID[i]),
                                             .t = packet.ray.tfar[i],
                                             .u = packet.hit.u[i],
                                             .v = packet.hit.v[i]};
@@ -337,7 +345,7 @@ void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t cou
   for (uint32_t start = 0; start < count; start += OLX_PACKET) {
     const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
     pack_rays(fill_up(rays + start, here, padded), &packet, valid);
-    rtcOccluded16(valid, bvh->accelerator, &context, &packet);
+    rtcOccluded16(valid, bvh->tree->accelerator, &context, &packet);
     // Embree sets tfar of an occluded ray to minus infinity.
     for (uint32_t i = 0; i < here; i++) occluded[start + i] = valid[i] == 0 || packet.tfar[i] < packet.tnear[i];
   }

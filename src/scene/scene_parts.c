@@ -1,7 +1,11 @@
 // Hashes a scene, and the parts of it on which the stages of a bake depend.
 #include "scene/scene_parts.h"
 
+#include "core/hooks.h"
+#include "core/result.h"
 #include "scene/local_frame.h"
+
+#include <string.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -161,6 +165,33 @@ static uint64_t hash_surfaces(const olx_scene *scene) {
   return XXH3_64bits_digest(&state);
 }
 
+// Returns a hash of what decides where triangles of a material are present; 0 for a material without a mask.
+static uint64_t hash_mask_of(const olx_scene *scene, uint32_t material) {
+  XXH3_state_t state;
+  if (!(scene->materials[material].alpha_cutoff > 0.0f)) return 0;
+  XXH3_64bits_reset(&state);
+  hash_mask(&state, scene, &scene->materials[material]);
+  return XXH3_64bits_digest(&state);
+}
+
+// Returns the hash of all data of a triangle, with its number and that of its material, but not the material itself.
+static uint64_t hash_triangle(const olx_scene *scene, uint32_t triangle) {
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  const uint32_t words[] = {triangle, scene->material_index[triangle]};
+  XXH3_64bits_update(&state, words, sizeof words);
+  for (uint32_t i = 0; i < 3; i++) {
+    const uint32_t v = scene->indices[3 * (size_t)triangle + i];
+    XXH3_64bits_update(&state, &scene->positions[v], sizeof scene->positions[v]);
+    XXH3_64bits_update(&state, &scene->normals[v], sizeof scene->normals[v]);
+    XXH3_64bits_update(&state, &scene->uvs[v], sizeof scene->uvs[v]);
+    if (scene->second_uvs) XXH3_64bits_update(&state, &scene->second_uvs[v], sizeof scene->second_uvs[v]);
+    if (scene->colors) XXH3_64bits_update(&state, &scene->colors[v], sizeof scene->colors[v]);
+    if (scene->tangents) XXH3_64bits_update(&state, &scene->tangents[v], sizeof scene->tangents[v]);
+  }
+  return XXH3_64bits_digest(&state);
+}
+
 static uint64_t hash_emitters(const olx_scene *scene) {
   XXH3_state_t state;
   XXH3_64bits_reset(&state);
@@ -173,20 +204,62 @@ static uint64_t hash_emitters(const olx_scene *scene) {
     hash_material(&state, m);
     hash_textures_of(&state, scene, m);
   }
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    if (olx_max3(scene->materials[scene->material_index[t]].emission) <= 0.0f) continue;
+    const uint64_t triangle = hash_triangle(scene, t);
+    XXH3_64bits_update(&state, &triangle, sizeof triangle);
+  }
   return XXH3_64bits_digest(&state);
 }
 
-olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene) {
-  olx_scene_inputs inputs = {.surfaces = hash_surfaces(scene)};
+static void add_triangle(const olx_space_bricks *b, const olx_scene *scene, uint32_t triangle, uint64_t mask,
+                         uint64_t hashes[OLX_SPACE_BRICKS]) {
+  olx_vec3 low = olx_splat(INFINITY), high = olx_splat(-INFINITY);
+  for (uint32_t i = 0; i < 3; i++) {
+    const olx_vec3 p = scene->positions[scene->indices[3 * (size_t)triangle + i]];
+    low = olx_min_each(low, p);
+    high = olx_max_each(high, p);
+  }
+  const olx_brick_range near = olx_space_bricks_near(b, low, high);
+  const uint64_t own = hash_triangle(scene, triangle);
+  for (uint32_t z = near.first[2]; z <= near.last[2]; z++) {
+    for (uint32_t y = near.first[1]; y <= near.last[1]; y++) {
+      for (uint32_t x = near.first[0]; x <= near.last[0]; x++) {
+        uint64_t *hash = &hashes[olx_space_brick(b, x, y, z)];
+        const uint64_t all[] = {*hash, own, mask};
+        *hash = XXH3_64bits(all, sizeof all);
+      }
+    }
+  }
+}
+
+static olx_result hash_bricks(const olx_scene *scene, uint64_t hashes[OLX_SPACE_BRICKS]) {
+  const olx_space_bricks bricks = olx_space_bricks_make(scene->bounds_min, scene->bounds_max);
+  uint64_t *masks = olx_allocate((size_t)scene->material_count + 1, sizeof *masks);
+  if (!masks) return olx_fail(OLX_ERROR_MEMORY, "scene: out of memory for %u materials", scene->material_count);
+  for (uint32_t i = 0; i < scene->material_count; i++) masks[i] = hash_mask_of(scene, i);
+  for (uint32_t t = 0; t < scene->triangle_count; t++) {
+    add_triangle(&bricks, scene, t, masks[scene->material_index[t]], hashes);
+  }
+  olx_release(masks);
+  return OLX_OK;
+}
+
+olx_result olx_scene_hash_inputs(const olx_scene *scene, olx_scene_inputs *inputs) {
+  memset(inputs, 0, sizeof *inputs);
+  inputs->surfaces = hash_surfaces(scene);
+  inputs->low = scene->bounds_min;
+  inputs->high = scene->bounds_max;
+  for (uint32_t i = 0; i < 3; i++) inputs->origin[i] = scene->origin[i];
   for (uint32_t i = 0; i < scene->material_count; i++) {
     XXH3_state_t state;
-    uint64_t *slot = &inputs.slots[i % OLX_INPUT_LIGHTS];
+    uint64_t *slot = &inputs->slots[i % OLX_INPUT_SURFELS];
     XXH3_64bits_reset(&state);
     XXH3_64bits_update(&state, slot, sizeof *slot);
     hash_material(&state, &scene->materials[i]);
     hash_textures_of(&state, scene, &scene->materials[i]);
     *slot = XXH3_64bits_digest(&state);
   }
-  inputs.slots[OLX_INPUT_LIGHTS] = hash_emitters(scene);
-  return inputs;
+  inputs->slots[OLX_INPUT_LIGHTS] = hash_emitters(scene);
+  return hash_bricks(scene, inputs->bricks);
 }

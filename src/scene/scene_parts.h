@@ -3,7 +3,7 @@
 #ifndef OLX_SCENE_SCENE_PARTS_H
 #define OLX_SCENE_SCENE_PARTS_H
 
-#include "scene/scene_data.h"
+#include "scene/space_bricks.h"
 
 // Parts of a scene, as bits.
 enum {
@@ -22,18 +22,32 @@ uint64_t olx_scene_hash(const olx_scene *scene);
 
 olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene);
 
-// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others, and
-// the last slot is for everything that emits.
-enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1 };
+// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others; one
+// slot is for how surfels lie, which those who have surfels fill in (light/former_surfels.h), and the last for
+// everything that emits, with where emitting triangles are.
+enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1, OLX_INPUT_SURFELS = OLX_INPUT_SLOTS - 2 };
 
 typedef struct olx_scene_inputs {
   uint64_t surfaces; // geometry, and which material lies where on it
   uint64_t slots[OLX_INPUT_SLOTS];
+  double origin[3];
+  olx_vec3 low, high; // bounds
+  // The triangles in each brick of the bounds: where they are, how they are shaded, masked and textured, which material
+  // they have, and their numbers. Textures and materials themselves are left out, except for masks.
+  uint64_t bricks[OLX_SPACE_BRICKS];
 } olx_scene_inputs;
 
-olx_scene_inputs olx_scene_hash_inputs(const olx_scene *scene);
+// Fails when memory runs out.
+olx_result olx_scene_hash_inputs(const olx_scene *scene, olx_scene_inputs *inputs);
 
 // Returns the bit of a material's slot.
-static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_LIGHTS; }
+static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_SURFELS; }
+
+// Returns the slots that differ, as bits.
+static inline uint64_t olx_inputs_changed(const olx_scene_inputs *a, const olx_scene_inputs *b) {
+  uint64_t changed = 0;
+  for (uint32_t i = 0; i < OLX_INPUT_SLOTS; i++) changed |= (uint64_t)(a->slots[i] != b->slots[i]) << i;
+  return changed;
+}
 
 #endif

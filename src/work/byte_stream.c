@@ -33,6 +33,8 @@ void olx_bytes_put(olx_byte_writer *to, const void *elements, size_t count, size
   to->size_bytes += padded;
 }
 
+void olx_bytes_reserve(olx_byte_writer *to, size_t more_bytes) { to->failed = to->failed || !grow(to, more_bytes); }
+
 void olx_byte_writer_free(olx_byte_writer *to) {
   olx_release(to->data);
   *to = (olx_byte_writer){0};

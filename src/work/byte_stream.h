@@ -15,6 +15,8 @@ typedef struct olx_byte_writer {
 
 // Appends `count` elements; `elements` may be NULL when that is 0.
 void olx_bytes_put(olx_byte_writer *to, const void *elements, size_t count, size_t element_bytes);
+// Makes room for that many more bytes at once.
+void olx_bytes_reserve(olx_byte_writer *to, size_t more_bytes);
 void olx_byte_writer_free(olx_byte_writer *to);
 
 typedef struct olx_byte_reader {

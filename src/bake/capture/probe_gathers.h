@@ -5,11 +5,13 @@
 
 #include "bake/bake_run.h"
 
+enum { OLX_GATHER_SURFELS = 99 }; // round of the unit of their surfels
+
 typedef struct olx_probe_gathers {
   olx_bake_run *run;
-  uint64_t surfels_hash;
-  olx_scene_inputs inputs;
-  olx_gather_row *rows; // of the probe that is captured; NULL: nothing is kept
+  olx_scene_inputs inputs;    // of the scene with its surfels
+  olx_former_surfels earlier; // of another scene
+  olx_gather_row *rows;       // of the probe that is captured; NULL: nothing is kept
   uint32_t row_count;
   void *former; // bytes of its gathers for another scene
 } olx_probe_gathers;
@@ -21,5 +23,7 @@ void olx_probe_gathers_free(olx_probe_gathers *gathers);
 void olx_probe_gathers_begin(olx_probe_gathers *gathers, uint32_t probe);
 // Stores the gathers of a probe that was captured.
 olx_result olx_probe_gathers_end(olx_probe_gathers *gathers, uint32_t probe);
+// Stores the surfels at which gathers end, once those of all probes are stored.
+olx_result olx_probe_gathers_finish(olx_probe_gathers *gathers);
 
 #endif

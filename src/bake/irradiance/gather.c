@@ -18,8 +18,8 @@
 enum {
   SOLVED_POINTS = 64, // gather points across which light samples are stratified
   SALT_SOLVED = 0x534F4C56,
-  LAMP_RAYS = 1024, // samples of the surfaces near lamps, a probe
-  SALT_LAMP = 0x4245414D
+  BEAMS = 1024, // samples of the surfaces near lamps, a probe
+  SALT_BEAM = 0x4245414D
 };
 
 static uint32_t key_of(const olx_gather *gather, uint32_t probe) { return olx_shade_key(gather->shade, probe); }
@@ -136,21 +136,21 @@ static void solved_job(void *user, uint32_t index) {
 }
 
 // Adds the light of surfaces near lamps, which solved_job leaves out, to the cells of a probe.
-static void lamps_job(void *user, uint32_t probe) {
+static void beams_job(void *user, uint32_t probe) {
   const olx_gather *gather = user;
   const olx_quadrature *q = &gather->quadrature;
   const olx_vec3 position = olx_gather_probes(gather)->positions[probe];
-  const uint32_t seed = olx_hash2(key_of(gather, probe), SALT_LAMP);
+  const uint32_t seed = olx_hash2(key_of(gather, probe), SALT_BEAM);
   olx_vec3 *cells = gather->total + (size_t)probe * q->cells * q->cells;
   uint64_t rays = 0;
-  for (uint32_t i = 0; i < LAMP_RAYS; i++) {
+  for (uint32_t i = 0; i < BEAMS; i++) {
     olx_sampler sampler = {.seed = seed, .index = i};
-    olx_lamp_ray lamp;
-    if (!olx_scene_light_lamp_ray(gather->shade->scene, gather->light, position, &sampler, &lamp, &rays)) continue;
-    const olx_vec2 uv = olx_octahedral_encode(lamp.direction);
+    olx_lamp_beam beam;
+    if (!olx_scene_light_beam(gather->shade->scene, gather->light, position, &sampler, &beam, &rays)) continue;
+    const olx_vec2 uv = olx_octahedral_encode(beam.direction);
     const uint32_t x = (uint32_t)(uv.x * (float)q->cells), y = (uint32_t)(uv.y * (float)q->cells), last = q->cells - 1;
     const uint32_t cell = (y < last ? y : last) * q->cells + (x < last ? x : last);
-    cells[cell] = olx_madd(cells[cell], lamp.irradiance, 1.0f / ((float)LAMP_RAYS * q->cell_solid_angle[cell]));
+    cells[cell] = olx_madd(cells[cell], beam.irradiance, 1.0f / ((float)BEAMS * q->cell_solid_angle[cell]));
   }
   atomic_fetch_add_explicit(&gather->shade->rays, rays, memory_order_relaxed);
 }
@@ -160,7 +160,7 @@ olx_result olx_gather_solved(olx_gather *gather) {
                  probes = olx_gather_probes(gather)->count;
   OLX_TRY(olx_bake_for(gather->context, probes * jobs, solved_job, gather, SOLVED_POINTS));
   if (olx_scene_light_bounces(gather->light) == 0) return OLX_OK;
-  return olx_bake_for(gather->context, probes, lamps_job, gather, 0);
+  return olx_bake_for(gather->context, probes, beams_job, gather, 0);
 }
 
 static const olx_vec3 *cells_of(const olx_gather *gather, uint32_t probe) {

@@ -41,12 +41,12 @@ static void add_light(olx_vec3 *sums, olx_vec3 direction, olx_vec3 radiance) {
 }
 
 // Adds the light of surfaces near lamps that one sample finds, as the radiance which has its mean over all directions.
-static void add_lamp(const olx_volume_light *v, olx_vec3 *sums, olx_vec3 position, olx_sampler *sampler,
+static void add_beam(const olx_volume_light *v, olx_vec3 *sums, olx_vec3 position, olx_sampler *sampler,
                      uint64_t *cast) {
-  olx_lamp_ray lamp;
+  olx_lamp_beam beam;
   if (olx_scene_light_bounces(v->light) == 0) return;
-  if (!olx_scene_light_lamp_ray(v->scene, v->light, position, sampler, &lamp, cast)) return;
-  add_light(sums, lamp.direction, olx_scale(lamp.irradiance, 0.25f / OLX_PI));
+  if (!olx_scene_light_beam(v->scene, v->light, position, sampler, &beam, cast)) return;
+  add_light(sums, beam.direction, olx_scale(beam.irradiance, 0.25f / OLX_PI));
 }
 
 static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
@@ -71,7 +71,7 @@ static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
       const olx_vec3 radiance =
           olx_ray_light_but_near_lamps(v->scene, v->light, bounces, &rays[i], &hits[i], &sampler, cast);
       add_light(sums, rays[i].direction, radiance);
-      add_lamp(v, sums, position, &sampler, cast);
+      add_beam(v, sums, position, &sampler, cast);
     }
   }
   for (uint32_t i = 0; i < OLX_HARMONICS_MOST; i++) {

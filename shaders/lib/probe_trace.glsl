@@ -320,7 +320,8 @@ bool olx_reaches_plane(inout olx_march m, ivec2 at, float t0, float t1, out floa
   return !(olx_farthest_squared(m, t0, t1) < stored_squared || stored >= OLX_INFINITY);
 }
 
-// Reads a texel and returns whether the ray reaches what it sees, over [t0, t1]; `stored` receives the texel's distance.
+// Reads a texel and returns whether the ray reaches what it sees, over [t0, t1]; `stored` receives the texel's
+// distance.
 bool olx_reaches_texel(inout olx_march m, ivec2 at, float t0, float t1, out float stored) {
   if (olx_geometry_in_blocks()) return olx_reaches_plane(m, at, t0, t1, stored);
   m.steps++;
@@ -355,8 +356,8 @@ int olx_march_texels(inout olx_march m, olx_piece p, inout olx_probe_answer answ
   }
 }
 
-// Skips blocks whose smallest distance is beyond the ray. Blocks and texels take turns in one loop that judges no surfel,
-// so that little is kept while one is judged; the texel judged clear is then left without being read again.
+// Skips blocks whose smallest distance is beyond the ray. Blocks and texels take turns in one loop that judges no
+// surfel, so that little is kept while one is judged; the texel judged clear is then left without being read again.
 int olx_march_two_level(inout olx_march m, olx_piece p, inout olx_probe_answer answer) {
   int level = olx_field.pyramid_levels > 1u ? 1 : 0, shift = olx_pyramid_shift(level), verdict = OLX_VERDICT_CLEAR;
   olx_cell c = olx_cell(ivec2(p.u.first, p.v.first), p.t_begin);

@@ -100,8 +100,8 @@ olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 posi
   return olx_probe_view(olx_map_origin(probe), offset, normal, angle, OLX_SURFACE_MISS + settings.surface_tolerance);
 }
 
-// Returns the way to the point from the place `distance` metres along the ray through the middle of a texel, which may be
-// of the border.
+// Returns the way to the point from the place `distance` metres along the ray through the middle of a texel, which may
+// be of the border.
 vec3 olx_texel_step(olx_probe_view v, ivec2 texel, float distance) {
   vec3 centre = olx_texel_direction(uvec2(olx_border_source(texel, int(olx_field.n))), olx_field.n);
   precise vec3 way = v.offset - centre * distance;
@@ -256,8 +256,8 @@ mat2x3 olx_fallen_back(olx_sample_settings settings, uint sources, vec3 position
   return irradiance;
 }
 
-// Returns the light that texels store for a point of a surface, where the given OLX_SOURCE_* include them; `stored` tells
-// whether there is any.
+// Returns the light that texels store for a point of a surface, where the given OLX_SOURCE_* include them; `stored`
+// tells whether there is any.
 olx_surface_light olx_stored_light(olx_sample_settings settings, uint sources, vec3 position, vec3 geometric_normal,
                                    out bool stored) {
   olx_surface_light light = olx_surface_light(vec3(0.0), 0u);

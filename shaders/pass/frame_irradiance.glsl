@@ -62,8 +62,8 @@ irradiance_state begin_irradiance() {
   return irradiance_state(vec3(0.0), olx_surface_light(vec3(0.0), 0u), false);
 }
 
-// Computes irradiance at the surface of a pixel in two rounds of one loop of the pass, which reads the surface again for
-// the second, so that its normals are not kept while probes are searched. The first round looks up stored light.
+// Computes irradiance at the surface of a pixel in two rounds of one loop of the pass, which reads the surface again
+// for the second, so that its normals are not kept while probes are searched. The first round looks up stored light.
 void look_up_irradiance(ivec2 pixel, frame_surface surface, inout irradiance_state state) {
   olx_sample_settings settings = frame_settings();
   settings.select = has_flag(OLX_FRAME_RANK_ALL) ? OLX_SELECT_EXHAUSTIVE : OLX_SELECT_BEST;

@@ -132,9 +132,9 @@ static float texel_agrees(const probe_view *v, const seen_texel *t) {
   return olx_clamp(2.0f - 2.0f * height / allowed, 0.0f, 1.0f) * alike;
 }
 
-// Returns how much light of a texel, whose surface is `step` from the point, reaches the point past a neighbouring texel
-// that sees `other`, a different surface. It is 0 when texel and point lie on opposite sides of that surface, like
-// floors on both sides of a wall.
+// Returns how much light of a texel, whose surface is `step` from the point, reaches the point past a neighbouring
+// texel that sees `other`, a different surface. It is 0 when texel and point lie on opposite sides of that surface,
+// like floors on both sides of a wall.
 static float passes(olx_vec3 step, const seen_texel *other) {
   const float height = olx_dot(other->normal, other->step), allowed = packing_error(other);
   if (!(height < -allowed) || height - olx_dot(other->normal, step) <= allowed) return 1.0f;

@@ -129,8 +129,8 @@ static olx_ray_plane texel_plane(olx_march *m, int32_t x, int32_t y) {
   return olx_plane_along(m->ray, olx_block_plane(m->field, m->probe, (uint32_t)x, (uint32_t)y));
 }
 
-// A plane that comes nearer in a part of the texel than in its middle may end before that part, at an object's edge; the
-// next texel then decides.
+// A plane that comes nearer in a part of the texel than in its middle may end before that part, at an object's edge;
+// the next texel then decides.
 bool olx_reaches_plane(olx_march *m, olx_cell c, float t1, float *stored) {
   olx_read_block(m, c.x >> OLX_PYRAMID_FINEST, c.y >> OLX_PYRAMID_FINEST);
   if (olx_plane_clears(texel_plane(m, c.x, c.y), c.t, t1)) return false;

@@ -13,7 +13,7 @@
 
 enum { PATH_TEXT = 4096 };
 
-void bench_tell(const bench *b, const char *format, ...) {
+void bench_progress(const bench *b, const char *format, ...) {
   if (!b->told) return;
   va_list arguments;
   va_start(arguments, format);
@@ -140,8 +140,8 @@ olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *c
   *references = &entry->images;
   bench_way way = {.settings = *settings};
   way.settings.bounces = bounces;
-  bench_tell(b, "path tracing, %u cameras, %u x %u pixels, twice %u paths", count, settings->width, settings->height,
-             settings->spp);
+  bench_progress(b, "path tracing, %u cameras, %u x %u pixels, twice %u paths", count, settings->width,
+                 settings->height, settings->spp);
   return bench_images_render(scene, cameras, count, &way, 0, &b->progress, &entry->images);
 }
 
@@ -167,7 +167,7 @@ bench_bake bench_bake_settings(const bench *b, bool classic) {
 
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made) {
-  bench_tell(b, "baking %s", bench_probes_name(probes).text);
+  bench_progress(b, "baking %s", bench_probes_name(probes).text);
   bench_bake own = *bake;
   own.threads = b->options->threads;
   own.rough = b->options->quick;
@@ -176,7 +176,7 @@ olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes
 
 olx_result bench_pictures(bench *b, const olx_scene *scene, const olx_camera *cameras, uint32_t count,
                           const bench_way *way, bench_images *images) {
-  bench_tell(b, "rendering %s", way->name);
+  bench_progress(b, "rendering %s", way->name);
   return bench_images_render(scene, cameras, count, way, 1, &b->progress, images);
 }
 
@@ -215,7 +215,7 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section) {
   b->experiment = e;
   b->section = section;
   b->found = (findings){.table_count = 0};
-  bench_tell(b, "begins");
+  bench_progress(b, "begins");
   olx_result result = e->run(b);
   while (b->scene_count > 0) olx_scene_free(b->scenes[--b->scene_count].scene);
   b->found.seconds = clock_seconds(CLOCK_MONOTONIC) - start;

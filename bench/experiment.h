@@ -75,7 +75,7 @@ olx_result bench_run(bench *b, const experiment *e, cJSON *section);
 // ---- For experiments
 
 // Prints the current step on standard error.
-void bench_tell(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void bench_progress(const bench *b, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 // Returns data that several experiments of a run share, identified by its release function: zeroed on first use. When
 // the run ends, `release` frees what the data refers to, but not the data itself. Returns NULL when memory runs out.

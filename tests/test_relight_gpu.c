@@ -4,8 +4,8 @@
 #include "relight/relighter.h"
 #include "scene_files.h"
 #include "tiny_scenes.h"
-#include "vulkan/gpu_relight.h"
 #include "vulkan/vulkan_frame.h"
+#include "vulkan/vulkan_relight.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
 

@@ -24,7 +24,7 @@ static olx_result add_rasterised(bench *b, bench_table *table, const olx_scene *
                                  const bench_bake *bake) {
   gpu_device device;
   if (!gpu_device_open(&(gpu_device_options){.device = UINT32_MAX}, &device)) {
-    bench_tell(b, "no probes are rasterised: %s", device.problem);
+    bench_progress(b, "no probes are rasterised: %s", device.problem);
     return OLX_OK;
   }
   cube_raster *raster;
@@ -39,7 +39,7 @@ static olx_result add_rasterised(bench *b, bench_table *table, const olx_scene *
     bench_field_close(&made);
     cube_raster_destroy(raster);
   } else {
-    bench_tell(b, "no probes are rasterised: %s", device.problem);
+    bench_progress(b, "no probes are rasterised: %s", device.problem);
   }
   gpu_device_close(&device);
   return result;
@@ -51,7 +51,7 @@ static olx_result add_rasterised(bench *b, bench_table *table, const olx_scene *
   (void)scene;
   (void)probes;
   (void)bake;
-  bench_tell(b, "no probes are rasterised: built without the Vulkan runtime");
+  bench_progress(b, "no probes are rasterised: built without the Vulkan runtime");
   return OLX_OK;
 }
 #endif

@@ -160,7 +160,7 @@ static olx_result bake(relit_run *r, const olx_scene *scene, bool relight, uint3
   settings.threads = r->b->options->threads;
   olx_bake_stats stats = {0};
   const double start = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
-  bench_tell(r->b, "baking %s%s", bench_scene_title(r->c->scene), relight ? "" : " with the light moved");
+  bench_progress(r->b, "baking %s%s", bench_scene_title(r->c->scene), relight ? "" : " with the light moved");
   if (result == OLX_OK) result = olx_bake(scene, &settings, path, &r->b->progress, &stats);
   r->bake_seconds = clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
   r->bake_rays = stats.rays;

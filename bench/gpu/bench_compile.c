@@ -290,8 +290,9 @@ static bool compile_classic(olx_vulkan_field *uploaded, const olx_field *field) 
 }
 
 static bool compile_relight(olx_vulkan_field *uploaded, const olx_field *field) {
-  static const compile_step step = {
-      {"relight_surfels", "relight_values", "relight_bounce", "relight_texels", "relight_tell", "relight_volume"}, 6};
+  static const compile_step step = {{"relight_surfels", "relight_values", "relight_bounce", "relight_texels",
+                                     "relight_interpolate", "relight_volume"},
+                                    6};
   if (olx_field_describe(field).relight.surfels == 0) return true;
   const olx_relight_settings settings = olx_relight_settings_default();
   const olx_vulkan_relight_settings on_device = olx_vulkan_relight_settings_default();
@@ -313,7 +314,8 @@ static bool compile_all(const olx_field *field, bool quick) {
   bool fine = gpu_check_library(job.device, olx_vulkan_field_create(&host, field, &uploaded)) &&
               compile_frame(&frame, uploaded, make_targets());
   if (!quick) {
-    fine = fine && compile_variants(frame, uploaded, has_probe_light, make_targets()) && compile_classic(uploaded, field);
+    fine =
+        fine && compile_variants(frame, uploaded, has_probe_light, make_targets()) && compile_classic(uploaded, field);
   }
   fine = fine && compile_relight(uploaded, field);
   olx_vulkan_frame_destroy(frame);

@@ -91,7 +91,7 @@ static void find_stored(study *s, const olx_field *field) {
 }
 
 // Lights all texels from the surfels' present light, and looks at them.
-static olx_result tell(const study *s, olx_relight *r, picture *p) {
+static olx_result interpolate(const study *s, olx_relight *r, picture *p) {
   olx_relit_tiles all;
   olx_relit_tile *tiles = NULL;
   OLX_TRY(olx_relit_tiles_create(r->source, &r->settings, &all));
@@ -175,7 +175,7 @@ static void subtract(const study *s, const pair *a, const pair *b, pair *differe
 
 // The pictures of both seeds.
 typedef struct pictures {
-  pair relit, relit_first, lit_first, told; // lit_first: of the solution's direct light; told: of all of its light
+  pair relit, relit_first, lit_first, exact; // lit_first: of the solution's direct light; exact: of all of its light
   pair baked, baked_first;
   pair relit_later, baked_later;
 } pictures;
@@ -201,9 +201,9 @@ static olx_result use_solution(const study *s, uint32_t seed, olx_relight *r, pi
   else {
     for (uint32_t i = 0; i < count; i++) r->surfels.direct[i] = parts.direct[i];
     first_bounce(r);
-    OLX_TRY(tell(s, r, &p->lit_first.seed[seed]));
+    OLX_TRY(interpolate(s, r, &p->lit_first.seed[seed]));
     for (uint32_t i = 0; i < count; i++) r->surfels.irradiance[i] = parts.irradiance[i];
-    OLX_TRY(tell(s, r, &p->told.seed[seed]));
+    OLX_TRY(interpolate(s, r, &p->exact.seed[seed]));
   }
   olx_scene_light_free(light);
   return OLX_OK;
@@ -222,7 +222,7 @@ static olx_result run_seed(study *s, uint32_t seed, pictures *p) {
     look(s, first, &p->baked_first.seed[seed]);
     look(s, &r->field, &p->relit.seed[seed]);
     first_bounce(r);
-    result = tell(s, r, &p->relit_first.seed[seed]);
+    result = interpolate(s, r, &p->relit_first.seed[seed]);
   }
   if (result == OLX_OK) result = use_solution(s, seed, r, p);
   olx_relight_free(r);
@@ -243,7 +243,7 @@ static void report(const study *s, pictures *p) {
   compare(s, "first bounce", &p->relit_first, &p->baked_first, all, true);
   compare(s, "later bounces", &p->relit_later, &p->baked_later, all, true);
   compare(s, "exact direct", &p->lit_first, &p->baked_first, all, true);
-  compare(s, "exact surfels", &p->told, all, all, true);
+  compare(s, "exact surfels", &p->exact, all, all, true);
   if (stored == (double)s->count) return;
   printf("at the other points, which take the light of the volume:\n");
   compare(s, "all", &p->relit, all, all, false);

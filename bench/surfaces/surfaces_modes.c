@@ -114,7 +114,7 @@ static olx_result add_volume(const surface_run *r, const olx_field *field) {
   settings.space_points = quick ? 50 : 2000;
   settings.spp = quick ? 64 : 1024;
   olx_audit audit;
-  bench_tell(r->b, "audit of %s", r->name);
+  bench_progress(r->b, "audit of %s", r->name);
   const olx_result result = olx_audit_field(r->scene, field, &settings, &r->b->progress, &audit);
   if (result != OLX_OK) return result;
   const olx_audit_points *volume = &audit.space_volume;

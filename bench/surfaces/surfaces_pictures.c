@@ -148,7 +148,7 @@ static olx_result audit_points(const surface_run *r, const olx_field *field, olx
   settings.points = quick ? 100 : 2000;
   settings.space_points = quick ? 50 : 2000;
   settings.spp = quick ? 64 : 1024;
-  bench_tell(r->b, "audit of %s", r->name);
+  bench_progress(r->b, "audit of %s", r->name);
   return olx_audit_field(r->scene, field, &settings, &r->b->progress, audit);
 }
 

@@ -36,7 +36,7 @@ static olx_result time_turn(const surface_run *r, const olx_field *field, olx_di
 olx_result surface_times(const surface_run *r, const olx_field *field, double *surface_ns, double *irradiance_ns) {
   const uint32_t turns = r->b->options->quick ? QUICK_TURNS : TURNS;
   double surface[TURNS], irradiance[TURNS];
-  bench_tell(r->b, "timing %s", r->name);
+  bench_progress(r->b, "timing %s", r->name);
   for (uint32_t t = 0; t < turns; ++t) {
     olx_result result = time_turn(r, field, OLX_DIFFUSE_SURFACE, &surface[t]);
     if (result == OLX_OK) result = time_turn(r, field, OLX_DIFFUSE_IRRADIANCE, &irradiance[t]);

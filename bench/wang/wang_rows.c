@@ -75,7 +75,7 @@ static olx_result time_row(const wang_view *view, const wang_measured *t, wang_m
 
 // Rows take turns, so that other work on the machine affects all alike.
 olx_result wang_time_rows(const wang_view *view, wang_measured *t) {
-  bench_tell(view->b, "timing");
+  bench_progress(view->b, "timing");
   const uint32_t rounds = wang_rounds(view->b);
   for (uint32_t round = 0; round < rounds; ++round) {
     for (uint32_t i = 0; i < t->row_count; ++i) {

@@ -40,7 +40,7 @@ static olx_vec3 told_by(const olx_relight_data *d, uint32_t site, uint32_t colum
 }
 
 // Returns the indirect irradiance of a texel, interpolated from that of the surfels of its site, W/m^2.
-static olx_vec3 told(const olx_field *f, const olx_vec3 *surfels, uint32_t probe, uint32_t x, uint32_t y) {
+static olx_vec3 interpolated(const olx_field *f, const olx_vec3 *surfels, uint32_t probe, uint32_t x, uint32_t y) {
   const uint32_t side = f->n / OLX_RELIGHT_BLOCK, column = x % OLX_RELIGHT_BLOCK, row = y % OLX_RELIGHT_BLOCK;
   const size_t at = (size_t)side * side * probe + (size_t)(y / OLX_RELIGHT_BLOCK) * side + x / OLX_RELIGHT_BLOCK;
   const olx_relight_block *block = &f->relight.blocks[at];
@@ -132,7 +132,8 @@ static void tell_texels(const tile_job *j, const olx_relit_tile *tile) {
     for (uint32_t x = tile->first_x; x < tile->first_x + j->turns->side; x++) {
       const size_t texel = olx_map_index(f->stride, (int32_t)x, (int32_t)y);
       if (olx_texel_is_sky(f, tile->probe, texel)) continue;
-      j->maps->indirect[f->texels * tile->probe + texel] = olx_rgb9e5_pack(told(f, j->surfels, tile->probe, x, y));
+      j->maps->indirect[f->texels * tile->probe + texel] =
+          olx_rgb9e5_pack(interpolated(f, j->surfels, tile->probe, x, y));
     }
   }
 }

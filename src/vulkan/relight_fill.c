@@ -1,8 +1,8 @@
 // Lays out the buffers of a relighter on a device, and fills them when it is created.
 #include "core/hooks.h"
 #include "relight/relighter.h"
-#include "vulkan/gpu_relight.h"
 #include "vulkan/uploader.h"
+#include "vulkan/vulkan_relight.h"
 
 enum { VECTOR = 3, STRIPS = 4, CORNERS = 4 };
 

@@ -1,7 +1,7 @@
 // Records frames of a relighter: chooses what they light as the CPU does, and decides when their results are read.
 #include "core/distribution.h"
-#include "vulkan/gpu_relight.h"
 #include "vulkan/map_copies.h"
+#include "vulkan/vulkan_relight.h"
 
 enum {
   WORD = sizeof(uint32_t),
@@ -241,10 +241,10 @@ static void copy_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, co
 
 static void record_tiles(const olx_vulkan_relight *v, VkCommandBuffer commands, const olx_relit_tile_turns *turns) {
   const uint32_t texels = turns->side * turns->side;
-  const olx_gpu_relight_call lit = {.count = turns->lit * texels}, told = {.count = turns->count * texels};
+  const olx_gpu_relight_call lit = {.count = turns->lit * texels}, interpolated = {.count = turns->count * texels};
   if (turns->count == 0) return;
   if (lit.count > 0) record_rays(v, commands, OLX_RELIGHT_TEXELS, lit, v->lights->rays);
-  record(v, commands, OLX_RELIGHT_TELL, told.count, &told);
+  record(v, commands, OLX_RELIGHT_INTERPOLATE, interpolated.count, &interpolated);
   copy_tiles(v, commands, turns);
 }
 

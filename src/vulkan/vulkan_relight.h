@@ -1,7 +1,7 @@
 // A relighter on the device: its buffers, sets and pipelines (docs/relighting.md, "Frames on the device").
-// gpu_relight.c creates them, relight_fill.c lays out and fills the buffers, and relight_frame.c records frames.
-#ifndef OLX_VULKAN_GPU_RELIGHT_H
-#define OLX_VULKAN_GPU_RELIGHT_H
+// vulkan_relight.c creates them, relight_fill.c lays out and fills the buffers, and relight_frame.c records frames.
+#ifndef OLX_VULKAN_RELIGHT_H
+#define OLX_VULKAN_RELIGHT_H
 
 #include "relight/relit_lights.h"
 #include "relight/relit_schedule.h"
@@ -14,7 +14,7 @@ typedef enum olx_relight_pass {
   OLX_RELIGHT_VALUES,
   OLX_RELIGHT_BOUNCE,
   OLX_RELIGHT_TEXELS,
-  OLX_RELIGHT_TELL,
+  OLX_RELIGHT_INTERPOLATE,
   OLX_RELIGHT_VOLUME,
   OLX_RELIGHT_PASSES
 } olx_relight_pass;
@@ -23,7 +23,7 @@ typedef enum olx_relight_pass {
 typedef enum olx_relight_group { OLX_GROUP_SURFELS = 0, OLX_GROUP_SITES, OLX_RELIGHT_GROUPS } olx_relight_group;
 
 static inline olx_relight_group olx_relight_group_of(uint32_t pass) {
-  return pass < OLX_RELIGHT_TELL ? OLX_GROUP_SURFELS : OLX_GROUP_SITES;
+  return pass < OLX_RELIGHT_INTERPOLATE ? OLX_GROUP_SURFELS : OLX_GROUP_SITES;
 }
 
 typedef struct olx_gpu_group {

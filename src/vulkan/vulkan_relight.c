@@ -1,6 +1,6 @@
 // Creates a relighter's buffers, descriptor sets and pipelines on a device. Passes are grouped so that each group stays
 // within the number of storage buffers that every device supports.
-#include "vulkan/gpu_relight.h"
+#include "vulkan/vulkan_relight.h"
 
 #include "core/hooks.h"
 #include "relight/relighter.h"
@@ -20,8 +20,8 @@ static const uint32_t BOUNCE[] = {
 static const uint32_t TEXELS[] = {
 #include "relight_texels.spv.inc"
 };
-static const uint32_t TELL[] = {
-#include "relight_tell.spv.inc"
+static const uint32_t INTERPOLATE[] = {
+#include "relight_interpolate.spv.inc"
 };
 static const uint32_t VOLUME[] = {
 #include "relight_volume.spv.inc"
@@ -32,7 +32,7 @@ static const olx_pass_code CODES[OLX_RELIGHT_PASSES] = {
     [OLX_RELIGHT_VALUES] = {"relight_values", VALUES, sizeof VALUES},
     [OLX_RELIGHT_BOUNCE] = {"relight_bounce", BOUNCE, sizeof BOUNCE},
     [OLX_RELIGHT_TEXELS] = {"relight_texels", TEXELS, sizeof TEXELS},
-    [OLX_RELIGHT_TELL] = {"relight_tell", TELL, sizeof TELL},
+    [OLX_RELIGHT_INTERPOLATE] = {"relight_interpolate", INTERPOLATE, sizeof INTERPOLATE},
     [OLX_RELIGHT_VOLUME] = {"relight_volume", VOLUME, sizeof VOLUME},
 };
 

@@ -12,7 +12,7 @@ uint site_of(uint probe, uvec2 texel) {
   return first == OLX_RELIGHT_NO_SITE ? first : first + which;
 }
 
-vec3 told(uint site, uvec2 texel) {
+vec3 interpolated(uint site, uvec2 texel) {
   uint end = structure[relight.entry_starts + site + 1u];
   vec4 corners = olx_site_corners(texel % OLX_RELIGHT_BLOCK);
   vec3 sum = vec3(0.0);
@@ -31,7 +31,7 @@ void main() {
   uint site = site_of(tile.probe, texel);
   vec3 light = vec3(0.0); // also for the sky
   if (site != OLX_RELIGHT_NO_SITE && !olx_texel_is_sky(olx_map_origin(tile.probe), ivec2(texel))) {
-    light = told(site, texel);
+    light = interpolated(site, texel);
   }
   write_texel(relight.tile_indirect, slot, texel, olx_rgb9e5_pack(light));
 }

@@ -8,29 +8,7 @@ cp "$program" alone
 "./alone" view builtin:cornell --field a.olx >stdout.txt 2>stderr.txt && fail "a viewer that is not there ran"
 grep -q "octalux-view is not there" stderr.txt || fail "no word of the missing viewer"
 
-# Every mode and overlay runs without a word of the validation layers.
 expect 0 "${view[@]}" --offscreen --screenshot one.png $validate
-cat >modes.txt <<'SCRIPT'
-press O            # the overlays in their order
-press O
-press O
-press O
-press O
-press O
-press O
-press O
-press O            # none again
-press 2
-press 3
-press 4
-press 1
-press X
-press C
-frames 3
-resize 48x60
-frames 2
-SCRIPT
-expect 0 "${view[@]}" --offscreen --script modes.txt --gather-samples 2 $validate
 
 # Automatic exposure brightens a picture that a twentieth of the light would leave dark.
 expect 0 "${view[@]}" --offscreen --frames 2 --exposure 0.05 --auto-exposure --screenshot followed.png

@@ -1,5 +1,6 @@
 # Every command stops within a second of a signal, says that it was interrupted, exits with 128 + the signal's number,
-# and leaves nothing behind; signals are sent at several moments of each command, on built-in scenes.
+# and leaves nothing behind; signals are sent on built-in scenes, by full_cli_stop.sh
+# to more commands and at more moments.
 set -euo pipefail
 cd "$(dirname "$0")"
 stop=$PWD/stop.py
@@ -17,36 +18,34 @@ stopped() {
   >/dev/null
 "$OCTALUX" render builtin:cornell --method path --spp 1 --size 2048x2048 -o "$work/picture.exr" >/dev/null
 
-stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
 stopped INT 1.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
-stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight --no-work
-
 large=(--surfels 1048576 --candidates 16384 --voxels 300)
+stopped INT 0.5 place builtin:temple -o p.json --method cover "${large[@]}" --threads 2
+stopped INT 0.5 render builtin:temple --method path -o p.exr --spp 10000 --threads 2
+stopped TERM 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --spp 4096 --threads 2
+stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
+stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html --threads 2
+OCTALUX=$OCTALUX_BENCH stopped TERM 0.5 mcguire-table1 --threads 2
+
+# A command that waits for a reader of a pipe is stopped, too.
+mkfifo "$work/run/pipe.json"
+stopped TERM 0.5 place builtin:cornell -o pipe.json --method grid --voxels 16
+[ "${OLX_ALL_STOPS:-}" ] || exit 0
+
+stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
+stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight --no-work
 for seconds in 0.3 1.5; do
   stopped INT "$seconds" place builtin:temple -o p.json --method grid --grid 40x40x40 "${large[@]}" --threads 2
 done
 stopped TERM 1.5 place builtin:temple -o p.json --method sdf "${large[@]}" --threads 2
 stopped TERM 1.5 place builtin:temple -o p.json --method medial "${large[@]}" --threads 2
-for seconds in 0.5 3; do
-  stopped INT "$seconds" place builtin:temple -o p.json --method cover "${large[@]}" --threads 2
-done
+stopped INT 3 place builtin:temple -o p.json --method cover "${large[@]}" --threads 2
 for optimizer in gradient gibbs; do
   stopped TERM 1.2 place builtin:temple -o p.json --method grid --grid 20x20x20 --threads 2 \
     --optimize $optimizer --rounds 10000
 done
-
-stopped INT 0.5 render builtin:temple --method path -o p.exr --spp 10000 --threads 2
-stopped TERM 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --spp 4096 --threads 2
 stopped INT 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --frames 10000 --threads 2
-stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
-stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html --threads 2
-
 "$OCTALUX" bake builtin:cornell -o "$work/large.olx" --grid 4x4x4 --radiance-size 256 --samples 1 --noise 1 --bounces 0 >/dev/null
 stopped TERM 0.5 pack "$work/large.olx" -o packed.olxz --level 22 --threads 2
-OCTALUX=$OCTALUX_BENCH stopped TERM 0.5 mcguire-table1 --threads 2
 OCTALUX=$OCTALUX_BENCH stopped INT 1 all --quick --threads 2
 OCTALUX=$OCTALUX_BENCH stopped INT 1 speed builtin:temple --threads 2
-
-# A command that waits for a reader of a pipe is stopped, too.
-mkfifo "$work/run/pipe.json"
-stopped TERM 0.5 place builtin:cornell -o pipe.json --method grid --voxels 16

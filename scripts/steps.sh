@@ -1,6 +1,11 @@
 # Sourced by check.sh and check-full.sh: counted steps, and the closing line.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+# A version manager's python3 is a script that takes half a second to start the interpreter, which tests do hundreds of
+# times, so the interpreter's own folder comes first.
+python_folder=$(python3 -c 'import os, sys; print(os.path.dirname(sys.executable))' 2>/dev/null || true)
+if [ "$python_folder" ] && [ "$python_folder" != "$(dirname "$(command -v python3)")" ]; then PATH=$python_folder:$PATH; fi
+
 passed=0 failed=0 skipped=0 failures=()
 jobs=${JOBS:-$(nproc)}
 reports=build/check

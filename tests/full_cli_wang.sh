@@ -39,12 +39,6 @@ grep -q "wang: cornell-wang is left out: nowhere/cornell-wang.json" stderr.txt |
 TMPDIR=$PWD/nowhere expect_failure "cannot create a temporary folder" wang --quick
 
 # A run that is stopped leaves no files behind either.
-"$OCTALUX" wang "${scenes[@]}" --only cornell-glossy --progress >stdout.txt 2>stderr.txt &
-await $! "wang: "
-kill -TERM $!
-wait $!
-[ $? = 143 ] || fail "a stopped experiment does not say by its exit code what stopped it"
-grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
-[ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
+expect_experiment_stops wang "${scenes[@]}" --only cornell-glossy
 
 finish

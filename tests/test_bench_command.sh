@@ -54,11 +54,6 @@ expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what
   surfaces "${small[@]}" --only parlour,sponza
 
 # A run that is stopped leaves no files behind.
-"$OCTALUX" mcguire-leaks --quick --spp 100000 --progress >stdout.txt 2>stderr.txt &
-await $! "mcguire-leaks: "
-kill -TERM $!
-wait $!
-[ $? = 143 ] || fail "a stopped experiment does not say by its exit code what stopped it"
-grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
-[ -z "$(ls -A temporary)" ] || fail "a stopped experiment leaves fields"
+expect_experiment_stops mcguire-leaks --quick --spp 100000
+
 finish

@@ -24,16 +24,16 @@ done
 # A disk that fails to sync, at once or after some units, and one that fails to rename.
 for fault in OCTALUX_SYNCS=0 OCTALUX_SYNCS=7 OCTALUX_NO_RENAMES=1; do
   code=0
-  on_disk $fault "$OCTALUX" "${bake[@]}" -o failing/a.olx --work failing/work >stdout.txt 2>stderr.txt || code=$?
+  on_disk $fault "$OCTALUX" "${bake[@]}" -o failing/a.olx --work failing/kept >stdout.txt 2>stderr.txt || code=$?
   [ $code = 1 ] || fail "exit code $code with $fault"
-  grep -q "failing/work/.*cannot write: Input/output error" stderr.txt || fail "no word of the device's error with $fault: $(cat stderr.txt)"
+  grep -q "failing/kept/.*cannot write: Input/output error" stderr.txt || fail "no word of the device's error with $fault: $(cat stderr.txt)"
   on_disk $fault "$OCTALUX" "${bake[@]}" -o failing/a.olx --no-work >stdout.txt 2>stderr.txt && [ $fault != OCTALUX_SYNCS=7 ] &&
     fail "a bake with $fault"
   [ $fault = OCTALUX_SYNCS=7 ] || grep -q "failing/a.olx.*Input/output error" stderr.txt || fail "no word of $fault: $(cat stderr.txt)"
   [ $fault = OCTALUX_SYNCS=7 ] || [ "$(cat failing/a.olx)" = 'the old field' ] || fail "the old field changed with $fault"
   printf 'the old field' >failing/a.olx
 done
-expect 0 "${bake[@]}" -o failing/a.olx --work failing/work
+expect 0 "${bake[@]}" -o failing/a.olx --work failing/kept
 cmp -s failing/a.olx whole.olx || fail "another field after errors of the device"
 [ "$(ls -A failing)" = a.olx ] || fail "files left after errors of the device: $(ls -A failing)"
 

@@ -67,6 +67,19 @@ await() {
   until grep -q -- "$2" stderr.txt || ! kill -0 "$1" 2>/dev/null; do sleep 0.05; done
 }
 
+# expect_experiment_stops ARGUMENTS...: stops an experiment of octalux-bench once it has begun; it says so, and leaves no
+# files in TMPDIR.
+expect_experiment_stops() {
+  "$OCTALUX_BENCH" "$@" --progress >stdout.txt 2>stderr.txt &
+  local code=0 process=$!
+  await $process "$1: "
+  kill -TERM $process
+  wait $process || code=$?
+  [ $code = 143 ] || fail "a stopped experiment does not say by its exit code what stopped it"
+  grep -q "interrupted" stderr.txt || fail "a stopped experiment does not say so"
+  [ -z "$(ls -A "$TMPDIR")" ] || fail "a stopped experiment leaves files"
+}
+
 finish() {
   if [ "$failures" -gt 0 ]; then
     echo "$failures failed"

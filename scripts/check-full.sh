@@ -11,7 +11,7 @@ step "tables of docs/results.md" python3 bench/record.py --check
 step "build: gcc, release" configure_and_build release &&
   tests release "tests: gcc, release" -L 'check|full'
 step "build: clang, release" configure_and_build release-clang &&
-  tests release-clang "tests: clang, release" -L check -LE "once|long"
+  tests release-clang "tests: clang, release" -L check -LE "once|long|script"
 step "build: address and undefined sanitizers" configure_and_build asan &&
   tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE once
 step "build: thread sanitizer" configure_and_build tsan threads-tests &&

@@ -8,6 +8,6 @@ step "packages" scripts/install-packages.sh check
 step "layers, names, words" python3 scripts/check_layers.py
 step "tables of docs/results.md" python3 bench/record.py --check
 step "build: gcc, release" configure_and_build release && tests release "tests: gcc, release" -L check
-step "build: address and undefined sanitizers" configure_and_build asan quick-tests &&
-  tests asan "tests: address and undefined sanitizers" -L check -LE "once|long"
+step "build: address and undefined sanitizers" configure_and_build asan-core quick-tests &&
+  tests asan-core "tests: address and undefined sanitizers" -L check -LE "once|long|script"
 finish

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Check that every function of shaders/lib is held to its C twin: it has a number in tests/parity_rows.h, a call in a
-tests/parity_*.comp and an evaluation in a tests/test_parity_*.c, and no row is left without its function. A file of
+tests/parity_*.comp and an evaluation in a tests/*_parity_*.c, and no row is left without its function. A file of
 shaders/lib says in its opening comment of which file of src it is the twin, one with the same stem that names it in
 turn, or that it has no twin. Numbers that shaders/octalux_shared.h repeats of an enumeration of C equal it, and shaders
 of the library and its passes define no constant that C defines as well: such constants are in octalux_shared.h.
@@ -34,9 +34,9 @@ def check_rows(root, functions):
     faults = []
     numbers = dict(NUMBER.findall(read(root, "parity_rows.h")))
     calls = set(re.findall(r"case ROW_(\w+):", read(root, "parity_*.comp")))
-    test = read(root, "test_parity_*.c")
+    test = read(root, "*_parity_*.c")
     evaluations = {"olx_" + name for name in re.findall(r"^ +PARITY\((\w+),", test, re.MULTILINE)}
-    places = (("parity_rows.h", set(numbers)), ("parity_*.comp", calls), ("test_parity_*.c", evaluations))
+    places = (("parity_rows.h", set(numbers)), ("parity_*.comp", calls), ("*_parity_*.c", evaluations))
     for place, rows in places:
         faults += [f"{functions[name]}: {name} has no row in {place}" for name in functions if name not in rows]
         faults += [f"{place}: {name} is no function of shaders/lib" for name in sorted(rows - set(functions))]

@@ -1,7 +1,7 @@
 # octalux-bake-mpi: ranks of an MPI job make the field of a bake by one process, also after ranks were killed, and
 # mistakes are told once. Takes the numbers of ranks and of kills.
 set -euo pipefail
-ranks=${1:-2} kills=${2:-3}
+ranks=${1:-2} kills=${2:-1}
 program=$(dirname "$OCTALUX")/octalux-bake-mpi
 [ -x "$program" ] && command -v mpirun >/dev/null || {
   echo "skipped: octalux-bake-mpi is not built, or mpirun is missing (Debian: libopenmpi-dev, openmpi-bin)"

@@ -1,16 +1,17 @@
-# Every method places probes where they may be in every scene, according to a check that shares no code with placement;
+# Every method places probes where they may be in the scenes that PLACED names, according to a check that shares no code with placement;
 # the probes of the method cover see as much as docs/studies/placement.md says. Models are searched for in
 # OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Both optimizers move probes in the scenes that OPTIMIZED
-# names; soak_place.sh does so in all scenes.
+# names; soak_place.sh takes all scenes for both.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
-optimized=${OPTIMIZED:-cornell kitchen}
+scenes=${PLACED:-cornell sponza kitchen pandora}
+optimized=${OPTIMIZED:-cornell}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 
-for name in cornell temple sponza white-room kitchen small-house pandora; do
+for name in $scenes; do
   scene=$OCTALUX_SOURCE_DIR/scenes/$name.json
   [ -e "$scene" ] || scene=builtin:$name
   if ! "$OCTALUX" scene "$scene" >/dev/null 2>"$work/scene.log"; then
@@ -64,9 +65,7 @@ while read -r share options; do
   holds "coverage >= $share and count <= 96 and $(cat "$work/processor") / 2 <= 20" <"$work/report.json"
   "$OCTALUX_BENCH" placement-check "$scene" 400000 "$work/probes.json" 2>/dev/null | holds "covered >= $share - 0.0003"
   echo "sponza: $options covers $share"
-done <<'COUNTS'
-0.988 --count 16
-0.996 --count 32
-0.998 --count 64
+done <<COUNTS
+${SPONZA_COUNTS:-0.996 --count 32}
 0.999 --coverage 0.999
 COUNTS

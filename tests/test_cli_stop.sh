@@ -14,16 +14,12 @@ stopped() {
   python3 "$stop" "$work/run" "$1" "$2" "$OCTALUX" "${@:3}"
 }
 
-"$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.3 \
-  >/dev/null
 "$OCTALUX" render builtin:cornell --method path --spp 1 --size 2048x2048 -o "$work/picture.exr" >/dev/null
 
-stopped INT 1.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
+stopped INT 0.7 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
 large=(--surfels 1048576 --candidates 16384 --voxels 300)
 stopped INT 0.5 place builtin:temple -o p.json --method cover "${large[@]}" --threads 2
 stopped INT 0.5 render builtin:temple --method path -o p.exr --spp 10000 --threads 2
-stopped TERM 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --spp 4096 --threads 2
-stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
 stopped INT 0.5 compare "$work/picture.exr" "$work/picture.exr" --report r.html --threads 2
 OCTALUX=$OCTALUX_BENCH stopped TERM 0.5 mcguire-table1 --threads 2
 
@@ -32,6 +28,10 @@ mkfifo "$work/run/pipe.json"
 stopped TERM 0.5 place builtin:cornell -o pipe.json --method grid --voxels 16
 [ "${OLX_ALL_STOPS:-}" ] || exit 0
 
+"$OCTALUX" bake builtin:cornell-glossy -o "$work/field.olx" --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.3 \
+  >/dev/null
+stopped TERM 0.5 render builtin:cornell-glossy --field "$work/field.olx" -o p.png --spp 4096 --threads 2
+stopped TERM 0.5 audit builtin:cornell-glossy --field "$work/field.olx" --rays 100000000 --threads 2
 stopped TERM 0.05 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --no-work
 stopped HUP 0.5 bake builtin:temple -o f.olx --grid 8x8x8 --threads 2 --classic --relight --no-work
 for seconds in 0.3 1.5; do

@@ -2,7 +2,7 @@
 # neither with unnamed temporary files nor, after the next output, with named ones. test_kill.sh [ROUNDS].
 set -euo pipefail
 set -m # without job control bash makes children ignore SIGINT
-rounds=${1:-4}
+rounds=${1:-2}
 : "${OCTALUX_NAMED_FILES:?the library that stands for a file system without unnamed files}"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

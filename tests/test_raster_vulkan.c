@@ -237,12 +237,10 @@ static void judge_builtin(const char *name, double most_error, double most_bias)
 static void draws_what_rays_see(void **unused) {
   (void)unused;
   host_need_device(&device);
-  judge_builtin("builtin:cornell", 0.002, 0.01);
   judge_builtin("builtin:cornell-glossy", 0.002, 0.01);
   judge_builtin("builtin:labyrinth", 0.02, 0.08);
   // The bound is wide, since the rasteriser blurs the lamp's reflection in the polished floor into discs.
   judge_builtin("builtin:area-light", 0.1, 0.04);
-  judge_builtin("builtin:pillars", 0.03, 0.08);
 }
 
 // ---- textures, masks, bent normals

@@ -185,7 +185,7 @@ static void darkness_beside_light_stays_dark(void **state) {
 static void shadows_take_no_light(void **state) {
   (void)state;
   for (uint32_t i = 0; i < 20000; i++) {
-    const float other = exp2f(-8.0f * random_unit(i, 1)); // the other light, relative to direct light where it is lit
+    const float other = exp2f(-8.0f * random_unit(i, 1)); // indirect light; direct light has 1 where a texel is lit
     const uint32_t lit = olx_hash2(i, 4) & ALL;
     olx_vec3 texels[TEXELS];
     float brightness[TEXELS];

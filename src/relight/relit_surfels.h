@@ -8,7 +8,7 @@
 typedef struct olx_relit_surfels {
   const olx_relight_data *data;
   olx_vec3 *direct, *irradiance; // of each surfel, W/m^2; irradiance is indirect
-  olx_vec3 *values;              // the sum of both and of `close`, when links were last followed
+  olx_vec3 *values;              // `direct` + `irradiance` + `close` at the time when links were last followed
   olx_vec3 *beams;      // of each surfel: its direct light's luminance by lights without area, along the way to them
   olx_vec3 *close;      // of each surfel: direct light of lamps close by, W/m^2, which is not part of `direct`
   olx_vec3 *near;       // of each surfel: light that arrives from surfaces near lamps, W/m^2

@@ -45,7 +45,8 @@ void olx_relit_tiles_free(olx_relit_tiles *tiles);
 
 // Marks all tiles as out of date. They need more samples of direct light where it is `varying`.
 void olx_relit_wake_tiles(olx_relit_tiles *tiles, olx_relit_time now, bool varying);
-// Chooses at most `most` tiles. At most `most_lit` of them get direct light; the first may where that is 0, too.
+// Chooses at most `most` tiles. At most `most_lit` of them get direct light; where that is 0, the first
+// still does if it lacks it, so that every tile has its turn.
 olx_relit_tile_turns olx_relit_choose_tiles(olx_relit_tiles *tiles, olx_relit_time now, olx_vec3 eye, uint64_t most,
                                             uint64_t most_lit);
 

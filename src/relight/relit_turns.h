@@ -28,7 +28,8 @@ typedef struct olx_relit_tile {
   uint32_t rounds; // number of samples of its direct light
 } olx_relit_tile;
 
-// Tiles that are lit, as they were before; the first `lit` of them get a sample of direct light, too.
+// The tiles whose light a frame computes, in the state before it. All of them get indirect light, and the first `lit`
+// of them a sample of direct light, too.
 typedef struct olx_relit_tile_turns {
   const olx_relit_tile *tiles; // valid until tiles are chosen again
   uint32_t count, lit;

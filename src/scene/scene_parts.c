@@ -91,7 +91,8 @@ static void hash_mask(XXH3_state_t *state, const olx_scene *scene, const olx_mat
   if (m->alpha_texture != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[m->alpha_texture]);
 }
 
-// Hashes the materials that have masks, which triangles have them, and how they lie on these.
+// Hashes everything that decides where alpha masks let rays through: the materials that have masks, the triangles
+// that these materials are on, and the texture coordinates there.
 static void hash_masks(XXH3_state_t *state, const olx_scene *scene) {
   bool any = false;
   for (uint32_t i = 0; i < scene->material_count; i++) {

@@ -372,7 +372,8 @@ typedef struct bundle {
   olx_probe_answer answers[TOGETHER];
 } bundle;
 
-// Makes for each open ray the job for its next probe from the bricks. Rays without one are moved to the end.
+// Makes a job for each open ray: the next probe that the lists of the bricks name for it. Rays for which no probe is
+// left are moved to the end.
 static void choose_by_bricks(bundle *b, const olx_field *field) {
   uint32_t trying[TOGETHER], candidates[TOGETHER], rest[TOGETHER], try_count = b->open_count, rest_count = 0;
   const bool first = b->open_count && b->searches[b->open[0]].attempts == 0; // all rays have tried equally many

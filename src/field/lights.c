@@ -15,3 +15,12 @@ olx_field_light olx_field_light_pack(const olx_light *light) {
   }
   return packed;
 }
+
+olx_light olx_field_light_unpack(const olx_field_light *packed) {
+  return (olx_light){.type = (olx_light_type)packed->type,
+                     .emission = packed->emission,
+                     .position = packed->position,
+                     .direction = packed->direction,
+                     .cosine_inner = packed->cosine_inner,
+                     .cosine_outer = packed->cosine_outer};
+}

@@ -10,6 +10,8 @@ static inline bool olx_light_varies(const olx_light *light) { return light->type
 
 // Packs a light without area.
 olx_field_light olx_field_light_pack(const olx_light *light);
+// Returns the light that was packed.
+olx_light olx_field_light_unpack(const olx_field_light *packed);
 
 // What a surface receives from one light.
 typedef struct olx_light_arrival {

@@ -74,9 +74,12 @@ static void add_points(olx_near_lamps *l, const olx_light *light, float radius, 
     }
     l->needs |= sight->needs;
     const float weight = olx_luminance(intensity), soft = SOFT_SHARE * radius;
+    const float facing = fabsf(olx_dot(s->directions[i], sight->normal)) / olx_square(sight->distance);
     if (!(weight > 0.0f)) continue;
     l->sums[l->count] = weight;
-    l->points[l->count++] = (olx_lamp_point){sight->position, sight->normal, intensity, soft * soft};
+    l->points[l->count++] =
+        (olx_lamp_point){sight->position, sight->normal, intensity, soft * soft, weight * facing / s->solid_angle};
+    l->light += weight;
   }
 }
 
@@ -113,6 +116,7 @@ olx_result olx_near_lamps_create(olx_near_lamps *l, const olx_light *lights, uin
     s->rays = rays;
     for (uint32_t i = 0; i < count; i++) add_lamp(l, &lights[i], i, view, s);
     const uint64_t cast = l->rays;
+    for (uint32_t i = 0; i < l->count; i++) l->points[i].density /= l->light;
     if (l->count == 0 || !olx_distribution_build(l->sums, l->count, l->sums)) olx_near_lamps_free(l);
     l->rays = cast;
     olx_release(s);
@@ -130,16 +134,22 @@ void olx_near_lamps_free(olx_near_lamps *l) {
   *l = (olx_near_lamps){0};
 }
 
-bool olx_near_lamps_draw(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
+const olx_lamp_point *olx_near_lamps_pick(const olx_near_lamps *l, float random, float *probability) {
   const uint32_t i = olx_distribution_draw(l->sums, l->count, random, NULL);
-  const olx_lamp_point *p = &l->points[i];
+  *probability = olx_distribution_probability(l->sums, i);
+  return &l->points[i];
+}
+
+bool olx_near_lamps_draw(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
+  float probability;
+  const olx_lamp_point *p = olx_near_lamps_pick(l, random, &probability);
   const olx_vec3 way = olx_sub(p->position, position);
   const float squared = olx_dot(way, way);
   if (!(squared > 0.0f)) return false;
   const olx_vec3 direction = olx_scale(way, 1.0f / sqrtf(squared));
   const float cosine = -olx_dot(direction, p->normal);
   if (cosine <= 0.0f) return false;
-  const float share = cosine / (olx_max(squared, p->soft_squared) * olx_distribution_probability(l->sums, i));
+  const float share = cosine / (olx_max(squared, p->soft_squared) * probability);
   *ray = (olx_lamp_ray){.direction = direction, .target = p->position, .irradiance = olx_scale(p->intensity, share)};
   return true;
 }

@@ -5,7 +5,7 @@
 // that surfaces near a lamp reflect is therefore sampled from the lamp: rays of equal light leave it, and each that ends
 // nearby leaves a point that reflects this light as a matte surface does. Rays from elsewhere that end near the lamp do
 // not see its direct light, because these points already stand for it (Keller, Instant Radiosity, SIGGRAPH 1997, for
-// surfaces near lamps only). Bakes find the surfaces by triangles, and relighting by the field.
+// surfaces near lamps only). Bakes and renderers find the surfaces by triangles, and relighting by the field.
 #ifndef OLX_FIELD_NEAR_LAMPS_H
 #define OLX_FIELD_NEAR_LAMPS_H
 
@@ -45,12 +45,14 @@ typedef struct olx_lamp_point {
   olx_vec3 position, normal; // position: off the surface
   olx_vec3 intensity;        // reflected along the normal, W/sr; elsewhere times the cosine
   float soft_squared;        // square of the least distance at which its light is computed, m^2
+  float density;             // with which points are drawn on the surface around it, 1/m^2
 } olx_lamp_point;
 
 typedef struct olx_near_lamps {
   float *radius; // of each light, metres: the surfaces within it have points; NULL: no light has any
   olx_lamp_point *points;
   float *sums; // distribution of the points' light
+  float light; // luminance of all points' intensity, W/sr
   uint32_t count;
   uint64_t needs; // of the points' sights
   uint64_t rays;  // rays cast to find the points
@@ -70,5 +72,8 @@ typedef struct olx_lamp_ray {
 
 // Draws a point by a random number in [0, 1); returns false when it does not shine on the place.
 bool olx_near_lamps_draw(const olx_near_lamps *lamps, olx_vec3 position, float random, olx_lamp_ray *ray);
+
+// Draws one of the points, of which there must be some, by a random number in [0, 1).
+const olx_lamp_point *olx_near_lamps_pick(const olx_near_lamps *lamps, float random, float *probability);
 
 #endif

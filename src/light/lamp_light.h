@@ -15,9 +15,10 @@ typedef struct olx_lamp_beam {
   olx_vec3 irradiance; // of a surface that faces it, W/m^2
 } olx_lamp_beam;
 
-// Finds the points of the scene's lights. `needs` are the slots of olx_scene_inputs that they depend on. On failure
+// Finds the points of lights in a scene. `needs` are the slots of olx_scene_inputs that they depend on. On failure
 // nothing has to be freed.
-olx_result olx_lamp_light_create(olx_near_lamps *lamps, const olx_scene *scene);
+olx_result olx_lamp_light_create(olx_near_lamps *lamps, const olx_scene *scene, const olx_light *lights,
+                                 uint32_t count);
 
 // Returns an estimate of the light that the points send to a surface: the irradiance times the diffuse reflectance over
 // pi, and the light that the specular lobe reflects. Adds the shadow ray that it casts to *rays. 0 without points.

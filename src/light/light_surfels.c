@@ -66,7 +66,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
                            .seed = seed,
                            .spacing = spacing,
                            .threads = threads};
-  OLX_TRY(olx_lamp_light_create(&s->lamps, scene));
+  OLX_TRY(olx_lamp_light_create(&s->lamps, scene, scene->lights, scene->light_count));
   return olx_cell_table_create(&s->table, 1024);
 }
 

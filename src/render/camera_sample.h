@@ -2,6 +2,7 @@
 #ifndef OLX_RENDER_CAMERA_SAMPLE_H
 #define OLX_RENDER_CAMERA_SAMPLE_H
 
+#include "field/near_lamps.h"
 #include "render/camera.h"
 #include "scene/emitters.h"
 #include "scene/sampler.h"
@@ -23,6 +24,7 @@ typedef struct olx_render_context {
   const olx_field *field;
   const olx_render_settings *settings;
   olx_camera_frame camera;
+  olx_near_lamps lamps; // surfaces near lamps, with a field
 } olx_render_context;
 
 // The pixels of a tile, row by row.

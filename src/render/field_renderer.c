@@ -3,6 +3,7 @@
 #include "render/field_renderer.h"
 
 #include "core/parallel.h"
+#include "render/fixture_light.h"
 #include "shade/emission.h"
 #include "shade/further.h"
 #include "shade/glossy.h"
@@ -58,14 +59,17 @@ static void count_ray(olx_render_stats *stats, const olx_trace_hit *hit) {
 typedef struct field_ray {
   olx_vec3 origin, direction, reflectance;
   float weight;
+  float density;   // with which its direction is drawn, 1/sr; 0: of a mirror
   olx_vec2 random; // random numbers that it was drawn by
 } field_ray;
 
 static bool draw_diffuse(const olx_shading *shading, olx_vec2 random, field_ray *ray) {
+  const olx_vec3 local = olx_sample_cosine(random);
   *ray = (field_ray){.origin = field_origin(shading->surface),
-                     .direction = olx_from_basis(olx_sample_cosine(random), shading->normal),
+                     .direction = olx_from_basis(local, shading->normal),
                      .reflectance = olx_splat(1.0f),
-                     .weight = 1.0f};
+                     .weight = 1.0f,
+                     .density = local.z * (1.0f / OLX_PI)};
   return olx_dot(ray->direction, shading->surface->geometric_normal) > 0.0f;
 }
 
@@ -77,6 +81,7 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
     return false;
   }
   ray->origin = field_origin(surface);
+  ray->density = olx_glossy_density(shading, ray->direction);
   ray->random = random;
   ray->reflectance = olx_fresnel(&surface->bsdf, half_cosine);
   return true;
@@ -95,25 +100,33 @@ static olx_trace_hit follow(const olx_render_context *context, olx_vec3 origin, 
   return hit;
 }
 
+static olx_ray_light plus(olx_ray_light light, olx_vec3 more) {
+  return (olx_ray_light){.light = olx_add(light.light, more), .nearness = light.nearness};
+}
+
 olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
                                     olx_render_stats *stats) {
   field_ray ray;
-  if (!draw_diffuse(shading, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
-  const olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
-  return light_found(context, &ray, &hit);
+  const olx_vec3 near = olx_fixtures_light(context, shading, OLX_GATHER_COSINE, random.x, &stats->rays);
+  if (!draw_diffuse(shading, random, &ray)) return (olx_ray_light){.light = near};
+  olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
+  olx_fixtures_leave(context, ray.direction, ray.density, &hit);
+  return plus(light_found(context, &ray, &hit), near);
 }
 
 olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
                                    olx_vec2 random, olx_render_stats *stats) {
   field_ray ray;
-  if (!draw_glossy(shading, view, random, &ray)) return (olx_ray_light){.nearness = 0.0f};
+  const olx_vec3 near = olx_fixtures_light(context, shading, OLX_GATHER_SPECULAR, random.x, &stats->rays);
+  if (!draw_glossy(shading, view, random, &ray)) return (olx_ray_light){.light = near};
   olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
+  olx_fixtures_leave(context, ray.direction, ray.density, &hit);
   olx_further_ray further;
   if (olx_further_draw(context->field, &hit, ray.direction, random, &further)) {
     const olx_trace_hit found = follow(context, further.origin, further.direction, stats);
     hit.radiance = olx_further_light(&hit, &further, &found);
   }
-  return light_found(context, &ray, &hit);
+  return plus(light_found(context, &ray, &hit), near);
 }
 
 static olx_vec3 stored_irradiance(const olx_render_context *context, const olx_ray_hit *hit, const olx_surface *surface,
@@ -201,6 +214,9 @@ static void follow_bundle(const shaded_tile *tile, ray_bundle *bundle) {
     directions[i] = bundle->rays[i].direction;
   }
   trace_together(tile, bundle->count, origins, directions, hits);
+  for (uint32_t i = 0; i < bundle->count; i++) {
+    olx_fixtures_leave(tile->context, directions[i], bundle->rays[i].density, &hits[i]);
+  }
   if (bundle->glossy) follow_further(tile, bundle, hits);
   for (uint32_t i = 0; i < bundle->count; i++) {
     olx_vec3 *sum = &bundle->sum[bundle->owner[i]];
@@ -216,6 +232,13 @@ static field_ray *next_ray(const shaded_tile *tile, ray_bundle *bundle, uint32_t
   return &bundle->rays[bundle->count];
 }
 
+// Adds to the light of a surface one sample of surfaces near lamps.
+static void add_near_lamps(const shaded_tile *tile, ray_bundle *bundle, uint32_t k, float random) {
+  const olx_gathering lobe = bundle->glossy ? OLX_GATHER_SPECULAR : OLX_GATHER_COSINE;
+  const olx_vec3 light = olx_fixtures_light(tile->context, &tile->shadings[k], lobe, random, &tile->stats->rays);
+  bundle->sum[k] = olx_add(bundle->sum[k], light);
+}
+
 // Computes irradiance by cosine-distributed rays through the field.
 static void trace_diffuse(const shaded_tile *tile, ray_bundle *bundle) {
   const uint32_t count = tile->context->settings->diffuse_samples;
@@ -226,6 +249,7 @@ static void trace_diffuse(const shaded_tile *tile, ray_bundle *bundle) {
     for (uint32_t j = 0; j < count; j++) {
       const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
       bundle->count += draw_diffuse(&tile->shadings[k], random, next_ray(tile, bundle, k));
+      add_near_lamps(tile, bundle, k, random.x);
     }
   }
   follow_bundle(tile, bundle);
@@ -279,6 +303,7 @@ static void light_glossily(shaded_tile *tile) {
     for (uint32_t j = 0; j < count; j++) {
       const olx_vec2 random = olx_stratified2(sampler->index * count + j, seed);
       bundle.count += draw_glossy(shading, view, random, next_ray(tile, &bundle, k));
+      add_near_lamps(tile, &bundle, k, random.x);
     }
   }
   follow_bundle(tile, &bundle);

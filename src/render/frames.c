@@ -5,6 +5,7 @@
 #include "core/result.h"
 #include "render/denoise.h"
 #include "render/field_renderer.h"
+#include "render/fixture_light.h"
 
 // The surfaces of a frame, which a guide points to.
 typedef struct surface_buffers {
@@ -285,8 +286,10 @@ olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, con
   olx_result result = olx_image_create(settings->width, settings->height, (1u << OLX_LAYER_STANDARD_ERROR) - 1, image);
   if (result == OLX_OK) olx_render_note_bounces(field, settings, image);
   if (result == OLX_OK) result = allocate_buffers(&job);
+  if (result == OLX_OK) result = olx_fixtures_find(&job.context);
   if (result == OLX_OK) result = render_all(&job, cameras, count, progress);
   release_buffers(&job);
+  olx_near_lamps_free(&job.context.lamps);
   olx_lock_destroy(&job.stats_lock);
   if (result != OLX_OK) {
     olx_image_free(image);

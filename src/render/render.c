@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "core/result.h"
 #include "render/field_renderer.h"
+#include "render/fixture_light.h"
 #include "render/path_tracer.h"
 #include "scene/bvh.h"
 #include "scene/emitters.h"
@@ -257,15 +258,18 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
   uint32_t layers = (1u << OLX_LAYER_STANDARD_ERROR) - 1;
   if (settings->standard_error) layers |= 1u << OLX_LAYER_STANDARD_ERROR;
   OLX_TRY(olx_image_create(settings->width, settings->height, layers, image));
+  olx_result result = OLX_OK;
+  if (settings->method == OLX_METHOD_FIELD) result = olx_fixtures_find(&job.context);
   olx_render_note_bounces(field, settings, image);
   const double start = olx_seconds();
   const uint32_t tiles = olx_tile_count(settings->width, settings->height);
   olx_task task;
   olx_task_begin(&task, progress, "render", tiles);
   olx_lock_create(&job.stats_lock);
-  const olx_result result = olx_parallel_for(tiles, settings->threads, render_tile, &job, &task, 1);
+  if (result == OLX_OK) result = olx_parallel_for(tiles, settings->threads, render_tile, &job, &task, 1);
   olx_lock_destroy(&job.stats_lock);
   olx_task_end(&task);
+  olx_near_lamps_free(&job.context.lamps);
   if (result != OLX_OK) {
     olx_image_free(image);
     *image = (olx_image){0};

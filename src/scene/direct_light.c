@@ -8,7 +8,7 @@
 // viewer, which sees the surface's front.
 #define MIN_VIEW_COSINE 1e-3f
 
-static olx_vec3 to_local(const olx_shading *s, olx_vec3 world) {
+olx_vec3 olx_shading_local(const olx_shading *s, olx_vec3 world) {
   return olx_v3(olx_dot(world, s->tangent), olx_dot(world, s->bitangent), olx_dot(world, s->normal));
 }
 
@@ -22,7 +22,7 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   olx_shading s = {.surface = surface, .normal = surface->shading_normal};
   if (cosine < MIN_VIEW_COSINE) s.normal = olx_normalize(olx_madd(s.normal, view, MIN_VIEW_COSINE - cosine));
   olx_basis(s.normal, &s.tangent, &s.bitangent);
-  s.view = to_local(&s, view);
+  s.view = olx_shading_local(&s, view);
   s.diffuse = olx_bsdf_diffuse(&surface->bsdf, s.view.z);
   const float diffuse = olx_luminance(s.diffuse);
   s.has_diffuse = diffuse > 0.0f;
@@ -51,7 +51,7 @@ static float either_pdf(const olx_shading *s, olx_vec3 light) {
 // Reflects one light sample through both lobes, without visibility.
 static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_light_sample *sample) {
   olx_lobes lobes = {0};
-  const olx_vec3 light = to_local(s, sample->direction);
+  const olx_vec3 light = olx_shading_local(s, sample->direction);
   if (light.z <= 0.0f || olx_dot(s->surface->geometric_normal, sample->direction) <= 0.0f) return lobes;
   const bool weighted = !sample->delta && mis != OLX_MIS_DELTA_ONLY;
   const float both = weighted && mis == OLX_MIS_ONE_LOBE ? power_heuristic(sample->pdf, either_pdf(s, light)) : 1.0f;
@@ -149,7 +149,7 @@ olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_v
     ray.pdf *= share;
     return ray;
   }
-  const olx_vec3 light = to_local(shading, ray.direction);
+  const olx_vec3 light = olx_shading_local(shading, ray.direction);
   ray.pdf = either_pdf(shading, light);
   const olx_vec3 brdf_cosine =
       olx_madd(olx_bsdf_specular(bsdf, shading->view, light), shading->diffuse, olx_max(light.z, 0.0f) / OLX_PI);

@@ -21,21 +21,20 @@ typedef struct kept_kind {
 } kept_kind;
 
 // What olx_surface_irradiance and olx_volume_irradiance read, and the origin.
-static const kept_kind kept_kinds[] = {
-    {OLX_FOUR_CC('I', 'N', 'F', 'O'), 0, 0},
-    {OLX_FOUR_CC('P', 'P', 'O', 'S'), 0, 0},
-    {OLX_FOUR_CC('P', 'F', 'L', 'G'), 0, 0},
-    {OLX_FOUR_CC('N', 'O', 'R', 'M'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
-    {OLX_FOUR_CC('D', 'I', 'S', 'T'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
-    {OLX_FOUR_CC('G', 'E', 'O', 'M'), OLX_FILTER_PLANES, 16},
-    {OLX_FOUR_CC('P', 'L', 'A', 'N'), OLX_FILTER_PLANES, 8},
-    {OLX_FOUR_CC('T', 'I', 'N', 'D'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 4},
-    {OLX_FOUR_CC('P', 'I', 'N', 'D'), OLX_FILTER_PLANES, 16},
-    {OLX_FOUR_CC('I', 'N', 'D', 'I'), OLX_FILTER_PLANES, 4},
-    {OLX_FOUR_CC('B', 'R', 'I', 'K'), OLX_FILTER_PLANES, 2},
-    {OLX_FOUR_CC('V', 'O', 'L', 'U'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 4},
-    {OLX_FOUR_CC('V', 'I', 'R', 'R'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
-    {OLX_FOUR_CC('O', 'R', 'I', 'G'), 0, 0}};
+static const kept_kind kept_kinds[] = {{OLX_FOUR_CC('I', 'N', 'F', 'O'), 0, 0},
+                                       {OLX_FOUR_CC('P', 'P', 'O', 'S'), 0, 0},
+                                       {OLX_FOUR_CC('P', 'F', 'L', 'G'), 0, 0},
+                                       {OLX_FOUR_CC('N', 'O', 'R', 'M'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
+                                       {OLX_FOUR_CC('D', 'I', 'S', 'T'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
+                                       {OLX_FOUR_CC('G', 'E', 'O', 'M'), OLX_FILTER_PLANES, 16},
+                                       {OLX_FOUR_CC('P', 'L', 'A', 'N'), OLX_FILTER_PLANES, 8},
+                                       {OLX_FOUR_CC('T', 'I', 'N', 'D'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 4},
+                                       {OLX_FOUR_CC('P', 'I', 'N', 'D'), OLX_FILTER_PLANES, 16},
+                                       {OLX_FOUR_CC('I', 'N', 'D', 'I'), OLX_FILTER_PLANES, 4},
+                                       {OLX_FOUR_CC('B', 'R', 'I', 'K'), OLX_FILTER_PLANES, 2},
+                                       {OLX_FOUR_CC('V', 'O', 'L', 'U'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 4},
+                                       {OLX_FOUR_CC('V', 'I', 'R', 'R'), OLX_FILTER_DIFFERENCES | OLX_FILTER_PLANES, 2},
+                                       {OLX_FOUR_CC('O', 'R', 'I', 'G'), 0, 0}};
 
 typedef struct kept_chunks {
   olx_file_chunk table[OLX_CHUNK_MAX_COUNT]; // with the places in the file that is written
@@ -113,9 +112,8 @@ olx_result olx_export_diffuse_gzip(const olx_field *field, const char *path, uin
   const uint64_t end = place_chunks(&kept);
   kept.filtered = olx_allocate(kept.most_bytes, 1);
   kept.another = olx_allocate(kept.most_bytes, 1);
-  const olx_result result = kept.filtered && kept.another
-                                ? write_field(&kept, end, path, file_bytes)
-                                : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
+  const olx_result result = kept.filtered && kept.another ? write_field(&kept, end, path, file_bytes)
+                                                          : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", path);
   olx_release(kept.filtered);
   olx_release(kept.another);
   return result;

@@ -79,7 +79,7 @@ walk_through() {
 
 # room: renders the room, and sets `hero` to its part of the page.
 room() {
-  local base=$out/flat size=640x400 spp=21 look baked field path
+  local base=$out/flat size=640x400 spp=16 look baked field path
   look=(--camera room --size "$size" --exposure 2)
   say "flat: direct light alone"
   "$program" render builtin:flat -o "$base-direct.png" --method path --bounces 0 "${look[@]}" --spp "$spp" >"$out/log.txt"

@@ -27,3 +27,29 @@ if glslangValidator -S frag "$work/broken.frag" >/dev/null; then
   echo "FAILED: an implicit conversion passes" >&2
   exit 1
 fi
+
+# WebGL refuses ?: of structures, which the validator accepts.
+cat >"$work/structures.py" <<'PYTHON'
+import re, sys
+text = re.sub(r"//[^\n]*|/\*.*?\*/", "", open(sys.argv[1], encoding="utf-8").read(), flags=re.S)
+names = "|".join(re.findall(r"\bstruct\s+(\w+)", text))
+
+def chooses(expression):
+    while (outer := re.sub(r"\([^()]*\)", "", expression)) != expression:  # arguments may be chosen
+        expression = outer
+    return "?" in expression
+
+parts = re.split(r"\n(\w+) \w+\([^()]*\) \{", text)  # the type of each function, and the text up to the next
+bodies = [body for kind, body in zip(parts[1::2], parts[2::2]) if re.fullmatch(names, kind)]
+statements = [found for body in bodies for found in re.findall(r"return ([^;]*);", body)]
+statements += re.findall(r"\b(?:%s) \w+ = ([^;]*);" % names, text)
+found = list(filter(chooses, statements))
+print(len(statements), "structures are returned or set;", found or "none is chosen by ?:")
+sys.exit(not statements or bool(found))
+PYTHON
+python3 "$work/structures.py" "$work/whole.frag" || { echo "FAILED: a structure is chosen by ?:" >&2; exit 1; }
+sed 's/if (!finite) light = \([^;]*\);.*/return finite ? light : \1;/' "$work/whole.frag" >"$work/broken.frag"
+if python3 "$work/structures.py" "$work/broken.frag" >/dev/null; then
+  echo "FAILED: a structure chosen by ?: passes" >&2
+  exit 1
+fi

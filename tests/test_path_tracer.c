@@ -188,6 +188,49 @@ static void add_image_environment(olx_scene *scene) {
   }
 }
 
+// Adds a room of black walls, 2 m high and wide, with a window of 40 cm in the middle of its ceiling.
+static void add_room_with_a_window(olx_scene *scene) {
+  const olx_material floor = tiny_lambert(0.5f, 0), wall = tiny_lambert(0, 0);
+  const olx_vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
+  tiny_quad(scene, &floor, olx_splat(0), olx_scale(x, 2), olx_scale(z, 2));
+  for (int side = -1; side <= 1; side += 2) {
+    const float s = (float)side;
+    tiny_quad(scene, &wall, olx_v3(s, 1, 0), olx_scale(y, 2), olx_scale(z, 2));
+    tiny_quad(scene, &wall, olx_v3(0, 1, s), olx_scale(y, 2), olx_scale(x, 2));
+    tiny_quad(scene, &wall, olx_v3(0.6f * s, 2, 0), olx_scale(x, 0.8f), olx_scale(z, 2));
+    tiny_quad(scene, &wall, olx_v3(0, 2, 0.6f * s), olx_scale(x, 0.4f), olx_scale(z, 0.8f));
+  }
+}
+
+// The form factor of a square window of half side a, seen from distance c below its middle.
+static double window_form_factor(double a, double c) {
+  const double r = sqrt(a * a + c * c);
+  return 4 * (a / r * atan(a / r)) / (double)OLX_PI;
+}
+
+// Pixels learn where the window is: without that a sample finds it once in 60 times, and pixels would be off by their
+// own value.
+static void test_sky_through_a_window(void **state) {
+  (void)state;
+  olx_scene *scene = tiny_scene();
+  add_room_with_a_window(scene);
+  scene->environment.radiance = olx_splat(3.0f);
+  tiny_finish(scene);
+  const olx_camera camera = tiny_camera(olx_v3(0.5f, 0.8f, 0.1f), olx_splat(0), 2);
+  const olx_render_settings settings = path_settings(32, 64, 0);
+  olx_image image = tiny_render(scene, NULL, &camera, &settings);
+  const double expected = 0.5 * 3.0 * window_form_factor(0.2, 2.0);
+  assert_close(tiny_mean(&image, OLX_LAYER_DIRECT), expected, 0.01, "floor below a window");
+  double squares = 0;
+  for (int i = 0; i < 32 * 32; i++) {
+    const double off = (double)image.layers[OLX_LAYER_DIRECT][i].x / expected - 1;
+    squares += off * off / (32 * 32);
+  }
+  if (!(sqrt(squares) < 0.4)) fail_msg("pixels are off by %.3f of their value", sqrt(squares));
+  olx_image_free(&image);
+  olx_scene_free(scene);
+}
+
 static void test_image_environment(void **state) {
   (void)state;
   olx_scene *scene = tiny_scene();
@@ -548,6 +591,7 @@ int main(void) {
       cmocka_unit_test(test_many_lights_add_up),
       cmocka_unit_test(test_constant_environment),
       cmocka_unit_test(test_image_environment),
+      cmocka_unit_test(test_sky_through_a_window),
       cmocka_unit_test(test_directional_albedo_of_ggx),
       cmocka_unit_test(test_surface_of_two_lobes_seen_in_a_mirror),
       cmocka_unit_test(test_mirror_shows_lamps_as_direct_and_walls_as_indirect_light),

@@ -285,7 +285,8 @@ olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources,
     vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
     light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
   }
-  return finite ? light : olx_surface_light(vec3(0.0), 0u);
+  if (!finite) light = olx_surface_light(vec3(0.0), 0u); // WebGL has no ?: of structures
+  return light;
 }
 
 // Returns irradiance in W/m^2 at a point of a surface, from the given OLX_SOURCE_*. Directions are unit vectors;

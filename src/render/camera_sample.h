@@ -6,6 +6,7 @@
 #include "render/camera.h"
 #include "scene/emitters.h"
 #include "scene/sampler.h"
+#include "scene/sky_guide.h"
 
 #include <octalux/render.h>
 
@@ -43,6 +44,7 @@ typedef struct olx_tile_rays {
   olx_vec3 directions[OLX_TILE_PIXELS];
   olx_sampler samplers[OLX_TILE_PIXELS];
   olx_ray_hit hits[OLX_TILE_PIXELS];
+  olx_sky_guide *sky; // guides direct light of the sky; NULL: nothing does
 } olx_tile_rays;
 
 // Fills samples[0..count) of a tile. They are zero on entry, except depth, and emission where the ray left the scene.

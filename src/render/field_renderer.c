@@ -28,6 +28,7 @@ static void find_surfaces(shaded_tile *tile) {
     tile->pixel[k] = i;
     tile->surfaces[k] = olx_surface_at(tile->context->scene, &tile->rays->hits[i], tile->rays->directions[i]);
     tile->shadings[k] = olx_shading_make(&tile->surfaces[k], tile->rays->directions[i]);
+    tile->shadings[k].sky = tile->rays->sky;
     olx_camera_sample *sample = &tile->samples[i];
     sample->emission = tile->surfaces[k].emission;
     sample->albedo = tile->surfaces[k].bsdf.albedo;
@@ -157,8 +158,12 @@ bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading 
 static void light_directly(shaded_tile *tile) {
   for (uint32_t k = 0; k < tile->count; k++) {
     const uint32_t i = tile->pixel[k];
-    tile->samples[i].direct =
-        olx_field_direct(tile->context, &tile->shadings[k], &tile->rays->samplers[i], tile->stats);
+    olx_sampler *sampler = &tile->rays->samplers[i], guided;
+    if (tile->rays->sky) {
+      guided = olx_sky_guide_sampler(tile->rays->sky, sampler);
+      sampler = &guided;
+    }
+    tile->samples[i].direct = olx_field_direct(tile->context, &tile->shadings[k], sampler, tile->stats);
   }
 }
 

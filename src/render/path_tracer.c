@@ -4,9 +4,11 @@
 
 #include "light/path.h"
 
-static void shade(olx_path *p, const olx_ray_hit *hit, olx_vec3 direction, olx_camera_sample *sample) {
+static void shade(olx_path *p, const olx_ray_hit *hit, olx_vec3 direction, olx_sky_guide *sky,
+                  olx_camera_sample *sample) {
   const olx_surface surface = olx_surface_at(p->scene, hit, direction);
-  const olx_shading shading = olx_shading_make(&surface, direction);
+  olx_shading shading = olx_shading_make(&surface, direction);
+  shading.sky = sky;
   sample->emission = surface.emission;
   sample->albedo = surface.bsdf.albedo;
   sample->normal = surface.shading_normal;
@@ -38,8 +40,8 @@ void olx_path_render_tile(const olx_render_context *context, olx_tile_rays *rays
   };
   for (uint32_t i = 0; i < rays->count; i++) {
     if (rays->hits[i].triangle == OLX_NO_HIT) continue;
-    p.sampler = rays->samplers[i];
-    shade(&p, &rays->hits[i], rays->directions[i], &samples[i]);
+    p.sampler = rays->sky ? olx_sky_guide_sampler(rays->sky, &rays->samplers[i]) : rays->samplers[i];
+    shade(&p, &rays->hits[i], rays->directions[i], rays->sky, &samples[i]);
   }
   stats->rays += p.rays;
 }

@@ -154,8 +154,12 @@ static void render_tile(void *user, uint32_t index) {
   olx_tile_rays rays = {.count = tile.width * tile.height};
   olx_camera_sample samples[OLX_TILE_PIXELS];
   olx_render_stats stats = {0};
+  olx_sky_guide sky;
+  olx_sky_guide_begin(&sky);
+  if (olx_environment_lit(job->context.scene)) rays.sky = &sky;
   for (uint32_t s = 0; s < spp; s++) {
     const double start = olx_thread_seconds();
+    olx_sky_guide_next(&sky, s);
     olx_tile_cast(&job->context, &tile, s, through_centers, &rays, samples);
     stats.primary_seconds += olx_thread_seconds() - start;
     stats.rays += rays.count;

@@ -92,6 +92,17 @@ olx_lobes olx_direct_light_of(const olx_scene *scene, const olx_shading *shading
   return visible(scene, shading->surface, sample) ? lobes : (olx_lobes){0};
 }
 
+// Draws a light of a group; the sky's by the surface's guide. *random receives the numbers that the sky was drawn by.
+static bool draw_light(const olx_scene *scene, const olx_shading *s, uint32_t group, olx_vec2 *random, float pick,
+                       olx_light_sample *sample) {
+  float density = 1.0f;
+  if (s->sky && olx_emitters_group_is_sky(scene, group)) *random = olx_sky_guide_warp(s->sky, *random, &density);
+  if (!olx_emitters_sample(scene, group, s->surface->position, *random, pick, sample)) return false;
+  sample->pdf *= density;
+  sample->emission = olx_scale(sample->emission, 1.0f / density);
+  return true;
+}
+
 olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *shading, olx_mis mis,
                                    olx_sampler *sampler, uint64_t *rays) {
   olx_lobes sum = {0};
@@ -104,7 +115,7 @@ olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *sh
       pick = olx_sampler_next(sampler);
     }
     olx_light_sample sample;
-    if (!olx_emitters_sample(scene, group, shading->surface->position, random, pick, &sample)) continue;
+    if (!draw_light(scene, shading, group, &random, pick, &sample)) continue;
     if (is_dark(shading, &sample) || (mis == OLX_MIS_DELTA_ONLY && !sample.delta)) continue;
     const olx_lobes lobes = reflect_sample(shading, mis, &sample);
     if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) continue;
@@ -112,12 +123,15 @@ olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *sh
     if (!visible(scene, shading->surface, &sample)) continue;
     sum.diffuse = olx_add(sum.diffuse, lobes.diffuse);
     sum.specular = olx_add(sum.specular, lobes.specular);
+    if (shading->sky && olx_emitters_group_is_sky(scene, group)) {
+      olx_sky_guide_add(shading->sky, random, olx_luminance(olx_add(lobes.diffuse, lobes.specular)));
+    }
   }
   return sum;
 }
 
 static olx_lobe_ray finish_ray(const olx_shading *s, olx_vec3 light, olx_vec3 weight, float pdf) {
-  olx_lobe_ray ray = {.direction = to_world(s, light), .weight = weight, .pdf = pdf};
+  olx_lobe_ray ray = {.direction = to_world(s, light), .weight = weight, .pdf = pdf, .sky = s->sky};
   if (light.z <= 0.0f || olx_dot(s->surface->geometric_normal, ray.direction) <= 0.0f) ray.weight = olx_splat(0.0f);
   return ray;
 }
@@ -177,7 +191,13 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
   if (!olx_environment_lit(scene)) return olx_splat(0.0f);
   const olx_vec3 radiance = olx_environment_radiance(scene, ray->direction);
   if (ray->pdf <= 0.0f) return radiance;
-  return olx_scale(radiance, power_heuristic(ray->pdf, olx_environment_pdf(scene, ray->direction)));
+  const float pdf = olx_environment_pdf(scene, ray->direction);
+  if (!ray->sky) return olx_scale(radiance, power_heuristic(ray->pdf, pdf));
+  const olx_vec2 point = olx_environment_random(scene, ray->direction);
+  const float share = power_heuristic(ray->pdf, pdf * olx_sky_guide_density(ray->sky, point));
+  const olx_vec3 light = olx_scale(radiance, share);
+  olx_sky_guide_add(ray->sky, point, olx_luminance(olx_mul(ray->weight, light)));
+  return light;
 }
 
 // Returns the emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.

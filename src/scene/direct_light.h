@@ -6,6 +6,7 @@
 
 #include "scene/emitters.h"
 #include "scene/sampler.h"
+#include "scene/sky_guide.h"
 
 // A surface prepared for shading from one direction.
 typedef struct olx_shading {
@@ -17,6 +18,7 @@ typedef struct olx_shading {
   bool has_diffuse, has_specular;
   float specular_share; // probability that a path which follows one lobe takes the specular one
   const float *dark;    // metres: a light of the scene does not light the surface within its radius; NULL: all do
+  olx_sky_guide *sky;   // guides samples of the sky and learns from them; NULL: none does
   float least_alpha;    // the specular lobe reflects delta samples with at least this alpha, unless it is a mirror
 } olx_shading;
 
@@ -48,8 +50,9 @@ olx_lobes olx_direct_light_of(const olx_scene *scene, const olx_shading *shading
 // A ray drawn from the surface's lobes.
 typedef struct olx_lobe_ray {
   olx_vec3 direction;
-  olx_vec3 weight; // BRDF times cosine over pdf; 0: the ray contributes nothing
-  float pdf;       // over solid angle; 0 for a mirror, which light samples cannot find
+  olx_vec3 weight;    // BRDF times cosine over pdf; 0: the ray contributes nothing
+  float pdf;          // over solid angle; 0 for a mirror, which light samples cannot find
+  olx_sky_guide *sky; // of the surface; NULL: none
 } olx_lobe_ray;
 
 olx_lobe_ray olx_lobe_ray_diffuse(const olx_shading *shading, olx_vec2 random);

@@ -181,6 +181,14 @@ bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
   return group >= scene->emitters->light_groups || scene->emitters->light_sums != NULL;
 }
 
+bool olx_emitters_group_is_sky(const olx_scene *scene, uint32_t group) {
+  return scene->emitters->environment.lit && group + 1 == olx_emitters_group_count(scene);
+}
+
+olx_vec2 olx_environment_random(const olx_scene *scene, olx_vec3 direction) {
+  return olx_environment_point(&scene->environment, &scene->emitters->environment, direction);
+}
+
 static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 position, float probability,
                          olx_light_sample *sample) {
   const olx_light *light = &scene->lights[index];

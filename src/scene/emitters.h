@@ -43,6 +43,12 @@ float olx_emitters_surface_pdf(const olx_scene *scene, const olx_surface *surfac
 // Returns the density over area of points on a triangle drawn by power: its share of the power over its area.
 float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle);
 
+// Returns whether a group is the environment.
+bool olx_emitters_group_is_sky(const olx_scene *scene, uint32_t group);
+
+// Returns the `random` from which olx_emitters_sample draws a direction of the sky.
+olx_vec2 olx_environment_random(const olx_scene *scene, olx_vec3 direction);
+
 bool olx_environment_lit(const olx_scene *scene);
 olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction);
 float olx_environment_pdf(const olx_scene *scene, olx_vec3 direction);

@@ -108,6 +108,22 @@ olx_vec3 olx_environment_draw(const olx_environment *e, const olx_environment_sa
   return olx_v3(sine * cosf(phi), 1.0f - 2.0f * s, sine * sinf(phi));
 }
 
+olx_vec2 olx_environment_point(const olx_environment *e, const olx_environment_sampler *sampler, olx_vec3 direction) {
+  if (!e->texels) {
+    const float turns = atan2f(direction.y, direction.x) * (0.5f / OLX_PI);
+    return (olx_vec2){0.5f - 0.5f * direction.z, turns < 0.0f ? turns + 1.0f : turns};
+  }
+  const olx_vec2 uv = image_uv(e, direction);
+  const float px = uv.x * (float)e->width;
+  const uint32_t x = (uint32_t)px, y = (uint32_t)(uv.y * (float)e->height);
+  const float *columns = sampler->column_sums + ((size_t)e->width + 1) * y;
+  const float step = 0.5f * OLX_PI / (float)e->height, s = 0.5f - 0.5f * direction.y;
+  const float upper = olx_square(sinf(step * (float)y)), lower = olx_square(sinf(step * (float)(y + 1)));
+  const float rest_y = olx_clamp((s - upper) / (lower - upper), 0.0f, 1.0f);
+  return (olx_vec2){olx_mix(columns[x], columns[x + 1], px - (float)x),
+                    olx_mix(sampler->row_sums[y], sampler->row_sums[y + 1], rest_y)};
+}
+
 float olx_environment_density(const olx_environment *e, const olx_environment_sampler *sampler, olx_vec3 direction) {
   if (!sampler->lit) return 0.0f;
   if (!e->texels) return 0.25f / OLX_PI;

@@ -20,6 +20,9 @@ olx_vec3 olx_environment_lookup(const olx_environment *environment, olx_vec3 dir
 // Samples a direction; *pdf is its density over solid angle.
 olx_vec3 olx_environment_draw(const olx_environment *environment, const olx_environment_sampler *sampler,
                               olx_vec2 random, float *pdf);
+// Returns the point of the square, as `random`, from which olx_environment_draw draws that direction.
+olx_vec2 olx_environment_point(const olx_environment *environment, const olx_environment_sampler *sampler,
+                               olx_vec3 direction);
 float olx_environment_density(const olx_environment *environment, const olx_environment_sampler *sampler,
                               olx_vec3 direction);
 

@@ -3,9 +3,9 @@ import {
   ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
   PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OctaluxField } from 'octalux';
 import { download } from './download.js';
-import { GLTFLoader } from './GLTFLoader.js';
 import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';

@@ -1,5 +1,6 @@
 // Reads field files (.olx, version 2) as docs/format.md describes them. What is not wanted for drawing, such as hashes
-// and classic maps, is not looked at. Arrays are views of the given buffer.
+// and classic maps, is not looked at. Arrays are views of the given buffer, or of a copy
+// where chunks are filtered.
 //
 // SPDX-License-Identifier: MIT
 
@@ -7,6 +8,7 @@ const MAGIC = [0x89, 0x4f, 0x4c, 0x58, 0x0d, 0x0a, 0x1a, 0x0a];
 const PACKED_MAGIC = [0x89, 0x4f, 0x4c, 0x5a];
 const VERSION = 2;
 const OPTIONAL = 1;
+const FILTER_SHIFT = 8, DIFFERENCES = 2, PLANES = 4; // filters of chunks in fields that `export web --no-glossy` writes
 const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME BASE SPEC DIRE INDI TBAS TREF TDIR TIND PBAS PREF PDIR PIND EMIS LITE ETIL ORIG';
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
@@ -51,9 +53,32 @@ function readChunks(view) {
     need(next <= view.byteLength, `chunk ${type} ends behind the file`);
     need(optional || KNOWN.includes(type), `a required chunk, ${type}, that this reader does not know`);
     need(!chunks.has(type), `chunk ${type} comes twice`);
-    chunks.set(type, { offset, size });
+    chunks.set(type, { offset, size, filter: view.getUint32(at + 4, true) >>> FILTER_SHIFT, element: view.getUint32(at + 36, true) });
   }
   return chunks;
+}
+
+// Returns the bytes before the filters of docs/format.md, "Packed fields".
+function undoFilter(type, bytes, filter, element) {
+  need((filter & ~(DIFFERENCES | PLANES)) === 0 && [1, 2, 4, 8, 16].includes(element), `chunk ${type} has a filter that this reader does not know`);
+  const count = Math.floor(bytes.length / element), plain = bytes.slice();
+  if (filter & PLANES) {
+    for (let byte = 0, from = 0; byte < element; byte++) {
+      for (let to = byte; to < element * count; to += element) plain[to] = bytes[from++];
+    }
+  }
+  if (filter & DIFFERENCES) for (let i = element; i < plain.length; i++) plain[i] += plain[i - element];
+  return plain;
+}
+
+// Returns the file's buffer, or a copy of it in which no chunk is filtered.
+function unfiltered(buffer, chunks) {
+  if (![...chunks.values()].some(({ filter }) => filter)) return buffer;
+  const copy = new Uint8Array(buffer.slice(0));
+  for (const [type, { offset, size, filter, element }] of chunks) {
+    if (filter) copy.set(undoFilter(type, copy.subarray(offset, offset + size), filter, element), offset);
+  }
+  return copy.buffer;
 }
 
 const vector = (view, at) => [0, 4, 8].map((i) => view.getFloat32(at + i, true));
@@ -105,16 +130,16 @@ function pyramidOf(n, overBlocks) {
   return { levels: sides.length, first: [...first, 0, 0, 0].slice(0, 4), nodes };
 }
 
-/** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it. Throws a FieldError. */
+/** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it, or of a copy without filters. Throws a FieldError. */
 export function parseField(buffer) {
-  const view = new DataView(buffer), chunks = readChunks(view);
+  const chunks = readChunks(new DataView(buffer)), plain = unfiltered(buffer, chunks), view = new DataView(plain);
   // Returns a chunk as an array of `length` elements; with null, of as many as the chunk has, which may be 0.
   const array = (type, Kind, length) => {
     const chunk = chunks.get(type);
     need(chunk, `chunk ${type} is missing`);
     const elements = chunk.size / Kind.BYTES_PER_ELEMENT;
     need(length === null ? Number.isInteger(elements) : elements === length, `chunk ${type} has ${chunk.size} bytes`);
-    return new Kind(buffer, chunk.offset, elements);
+    return new Kind(plain, chunk.offset, elements);
   };
   need(chunks.get('INFO')?.size === 160, 'chunk INFO is missing, or not 160 bytes');
   const info = readInfo(view, chunks.get('INFO').offset);

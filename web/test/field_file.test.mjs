@@ -2,9 +2,9 @@
 // OCTALUX names the program; without it a field is made by hand alone.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { gunzipSync } from 'node:zlib';
 import { FieldError, parseField } from '../dist/field_file.js';
@@ -13,6 +13,7 @@ import { layOutWords, mapsASide, tile } from '../dist/textures.js';
 
 const octalux = process.env.OCTALUX;
 const run = (...words) => execFileSync(octalux, words, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
+const page = octalux && existsSync(join(dirname(octalux), 'web', 'index.html'));
 const bufferOf = (path) => new Uint8Array(readFileSync(path)).buffer;
 
 describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the program' }, () => {
@@ -54,6 +55,22 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     assert.equal(of(field.surfaces.base, field.surfaces.specular, base, specular), bytes.material);
     assert.equal(of(field.surfaces.direct, direct), bytes.direct);
     assert.equal(of(field.bricks, field.neighbours), bytes.selector);
+  });
+
+  test('has the same diffuse light on a page without reflections, whose chunks are filtered', { skip: page ? false : 'the program has no page' }, () => {
+    for (const path of [blocks, texels]) {
+      const out = join(folder, 'page');
+      run('export', 'web', 'builtin:cornell-glossy', '--field', path, '--no-glossy', '-o', out);
+      const stored = gunzipSync(readFileSync(join(out, 'field.olx.gz'))), buffer = new Uint8Array(stored).buffer;
+      const whole = parseField(bufferOf(path)), diffuse = parseField(buffer), plain = ({ surfaceTiles }) => surfaceTiles?.[3] ?? null;
+      for (const part of ['positions', 'flags', 'geometry', 'planes', 'normals', 'distances', 'bricks', 'volume']) assert.deepEqual(diffuse[part], whole[part], part);
+      assert.deepEqual(diffuse.surfaces.indirect, whole.surfaces.indirect);
+      assert.deepEqual(plain(diffuse), plain(whole));
+      assert.equal(diffuse.info.glossy, false);
+      const odd = new Uint8Array(buffer.slice(0)), at = [1, 2, 3, 4, 5].map((i) => 64 * i).find((entry) => odd[entry + 5] !== 0);
+      odd[at + 36] = 3; // bytes of an element
+      assert.throws(() => parseField(odd.buffer), /filter that this reader does not know/);
+    }
   });
 
   test('decodes to the light that the same field has without blocks', async () => {

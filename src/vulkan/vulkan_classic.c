@@ -1,8 +1,8 @@
 // Uploads classic maps, irradiance probes without visibility, to a device, and records the pass that lights a frame
 // with them for comparison.
 #include "core/hooks.h"
-#include "vulkan/vulkan_frame.h"
 #include "vulkan/uploader.h"
+#include "vulkan/vulkan_frame.h"
 
 static const char WHAT[] = "classic maps on the device";
 

@@ -333,11 +333,11 @@ static VkDescriptorType binding_type(uint32_t binding) {
 
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *c, uint32_t mask, VkDescriptorSetLayout *layout) {
   const uint32_t uniforms = 1u << OLX_BINDING_FIELD, images = ALL_BINDINGS & ~((1u << OLX_BINDING_RADIANCE) - 1);
-  const olx_set_bindings bindings = {
-      .uniforms = mask & uniforms,
-      .buffers = mask & ~(uniforms | images),
-      .sampled = mask & images,
-      .stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT};
+  const olx_set_bindings bindings = {.uniforms = mask & uniforms,
+                                     .buffers = mask & ~(uniforms | images),
+                                     .sampled = mask & images,
+                                     .stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT |
+                                               VK_SHADER_STAGE_COMPUTE_BIT};
   return olx_vulkan_set_layout_create(c, &bindings, WHAT, layout);
 }
 

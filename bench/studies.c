@@ -11,6 +11,7 @@ const bench_study studies[] = {
     {"gpu", NULL, 0, ANY, "milliseconds of each pass on a Vulkan device (octalux-bench-gpu)", study_gpu},
     {"runtime-speed", "FIELD.olx [COUNT]", 1, 2, "nanoseconds of each query, on one thread", study_runtime_speed},
     {"selector-speed", "FIELD.olx [COUNT]", 1, 2, "nanoseconds of finding probes, by selector", study_selector_speed},
+    {"ray-race", "SCENE FIELD.olx [RAYS]", 2, 3, "rays through a field against ray casting, in turns", study_ray_race},
     {"glossy-speed", "SCENE WIDTH HEIGHT ROUNDS FIELD.olx:texel|two-level|hiz:SELECTOR...", 5, ANY,
      "the glossy pass through several fields, in turns", study_glossy_speed},
     {"glossy-quality", "SCENE FIELD.olx WIDTH HEIGHT SPP PATHS KEPT", 7, 7, "glossy light against path tracing",

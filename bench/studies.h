@@ -26,6 +26,7 @@ int study_bake_speed(int argc, char **argv);
 int study_gpu(int argc, char **argv);
 int study_runtime_speed(int argc, char **argv);
 int study_selector_speed(int argc, char **argv);
+int study_ray_race(int argc, char **argv);
 int study_glossy_speed(int argc, char **argv);
 int study_block_quality(int argc, char **argv);
 int study_glossy_quality(int argc, char **argv);

@@ -121,6 +121,7 @@ static int place_probes(place_options *o, const olx_scene *scene, const command_
     return library_failure("place");
   if (o->picture.path && find_picture_camera(scene, &o->picture) != OLX_OK) return library_failure("place");
   o->settings.marks = o->picture.path != NULL;
+  o->settings.field_size = true;
   progress_line line;
   progress_begin(&line, "place", false);
   const olx_progress progress = progress_of(&line);

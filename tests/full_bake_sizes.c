@@ -186,6 +186,7 @@ static void place_and_bake_announce_the_size_of_the_file(void **state) {
   placing.surfels = 500;
   placing.candidates = 64;
   placing.resolution = 64;
+  placing.field_size = true;
   olx_probe_set set;
   if (olx_place(scene, &placing, NULL, &set) != OLX_OK) fail_msg("%s", olx_last_error());
   olx_vec3 probes[20];

@@ -118,7 +118,6 @@ void march_rows() {
     put_axis(piece.u), put_axis(piece.v), put(piece.near), put(piece.slope), put(piece.rise);
     break;
   case ROW_olx_next_cut: put(olx_next_cut(planes, ray.t_min, ray.t_max)); break;
-  case ROW_olx_finest_level: put(olx_finest_level()); break;
   case ROW_olx_begin_stand: at = olx_begin_stand(march, piece), put(at.at), put(at.t); break;
   case ROW_olx_enter:
     at = olx_stand(ivec2(0), int(bits.x % 3u), random.x, 0.0, (bits.y & 1u) != 0u, 0.0, false, false);

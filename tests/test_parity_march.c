@@ -55,8 +55,7 @@ static olx_tracer plain_tracer(const parity_state *s) {
 // the texel that contains its start.
 static stand begin_stand(const march_state *e) {
   const bool first_piece = e->piece.t_begin <= e->ray.t_min, first = first_piece && e->piece.t_begin > 0.0f;
-  const olx_pyramid_shape *pyramid = &e->march.field->pyramid;
-  const uint32_t level = first_piece ? pyramid->least_level : pyramid->levels - 1;
+  const uint32_t level = first_piece ? 0 : e->march.field->pyramid.levels - 1;
   const uint32_t shift = first ? 0 : olx_pyramid_shift(level);
   return (stand){.x = e->cell.x >> shift, .y = e->cell.y >> shift, .t = e->cell.t};
 }
@@ -184,7 +183,6 @@ MARCH_ROW(make_piece, put_axis(r, e->piece.u); put_axis(r, e->piece.v); put_f(r,
     put_f(r, e->piece.slope);
     put_f(r, e->piece.rise);)
 MARCH_ROW(next_cut, put_f(r, next_cut(e->planes, e->ray.t_min, e->ray.t_max));)
-MARCH_ROW(finest_level, put_u(r, e->march.field->pyramid.least_level);)
 MARCH_ROW(begin_stand, const stand at = begin_stand(e); put_i(r, at.x); put_i(r, at.y); put_f(r, at.t);)
 MARCH_ROW(enter, const int32_t level = (int32_t)(s->bits[0] % 3u) - 1, shift = OLX_PYRAMID_STEP * (level + 1);
     put_i(r, olx_texel_at(&e->piece.u, s->random[0], true) >> shift);
@@ -243,7 +241,6 @@ static const parity_row ROWS[] = {
     PARITY(sign_after, 1e-5f, 1e-3),
     PARITY(make_piece, 1e-5f, 1e-3),
     PARITY(next_cut, 1e-5f, 1e-3),
-    PARITY(finest_level, 0, 0),
     PARITY(begin_stand, 1e-5f, 1e-3),
     PARITY(enter, 1e-5f, 1e-3),
     PARITY(leave, 1e-5f, 1e-3),

@@ -313,8 +313,10 @@ static void a_budget_says_how_many(void **state) {
   settings.resolution = 64;
   settings.count = 12;
   settings.coverage = 1.0f;
+  settings.field_size = true;
   olx_probe_set free = place(scene, &settings);
   settings.count = 0;
+  settings.field_size = false;
   settings.coverage = 0.0f;
   settings.budget_mb = 1e-6 * (double)free.report.field_bytes;
   olx_probe_set set = place(scene, &settings);

@@ -109,6 +109,33 @@ static void eight_probes_resolve_rays_around_furniture(void **state) {
   assert_true(s.wrong < 0.01);
 }
 
+// Rays without light end where rays with light do.
+static void rays_for_visibility_alone_end_where_others_do(void **state) {
+  (void)state;
+  enum { RAYS = 256 };
+  olx_field *field = analytic_field_make(&furnished, &cage, 64, 16);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  olx_sample_settings alone = settings;
+  alone.visibility_only = true;
+  olx_vec3 origins[RAYS], directions[RAYS];
+  for (uint32_t i = 0; i < RAYS; i++) origins[i] = random_point(i, &furnished), directions[i] = random_direction(i);
+  olx_trace_hit together[RAYS];
+  olx_trace_rays(field, &alone, RAYS, origins, directions, INFINITY, together);
+  uint32_t lit = 0;
+  for (uint32_t i = 0; i < RAYS; i++) {
+    const olx_trace_hit whole = olx_trace(field, &settings, origins[i], directions[i], INFINITY),
+                        hit = olx_trace(field, &alone, origins[i], directions[i], INFINITY);
+    lit += whole.radiance.x > 0.0f || whole.emission.x > 0.0f;
+    assert_int_equal(hit.status, whole.status);
+    assert_true(hit.distance_metres == whole.distance_metres && hit.texel == whole.texel && hit.probe == whole.probe);
+    assert_true(hit.normal.x == whole.normal.x && hit.texel_steps == whole.texel_steps);
+    assert_true(olx_max3(hit.radiance) == 0.0f && olx_max3(hit.emission) == 0.0f && olx_max3(hit.lobe) == 0.0f);
+    assert_true(together[i].distance_metres == hit.distance_metres && olx_max3(together[i].radiance) == 0.0f);
+  }
+  assert_true(lit > RAYS / 4);
+  analytic_field_free(field);
+}
+
 static void rays_along_axes_and_through_the_probe_end_where_they_should(void **state) {
   (void)state;
   olx_field *field = analytic_field_make(&empty_room, &single, 64, 16);
@@ -147,6 +174,7 @@ int main(void) {
       cmocka_unit_test(one_probe_resolves_every_ray_in_a_convex_room),
       cmocka_unit_test(rays_through_an_open_ceiling_miss),
       cmocka_unit_test(eight_probes_resolve_rays_around_furniture),
+      cmocka_unit_test(rays_for_visibility_alone_end_where_others_do),
       cmocka_unit_test(rays_along_axes_and_through_the_probe_end_where_they_should),
       cmocka_unit_test(a_ray_that_ends_early_misses),
   };

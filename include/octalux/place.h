@@ -118,6 +118,8 @@ typedef struct olx_place_settings {
   uint32_t seed;
   uint32_t threads; // 0: as many as the machine has; the result does not depend on it
   bool marks;       // also fill olx_probe_set.marks; default false
+  bool field_size;  // also compute olx_place_report.field_bytes, which takes rays; always true with a budget; default
+                    // false
 } olx_place_settings;
 
 // Returns the default settings. `scene` may be NULL: then the grid has no probes, and olx_scene_probe_grid must set it.
@@ -145,17 +147,18 @@ typedef struct olx_place_report {
   double unreachable;      // of all surface, by area: no side of it is seen from the space that matters
   double reached_m2;       // square metres of sides of surfaces that are seen from the space that matters
   double unreached_m2;     // of those that face free space which no opening of two voxels or more connects with it
-  uint32_t buried;        // probes inside geometry (buried), which no lookup uses
-  uint32_t rejected;      // OLX_PLACE_GRID: grid points left out because of the description's overrides
-  uint32_t candidates;    // number of positions that were considered
-  double coverage_before; // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
-  double reward_before;   // the mean reward of surfels before the optimizer, by settings.reward
-  double reward_after;    // and after it, never less
-  uint32_t rounds;        // of the optimizer
-  uint64_t space_voxels;  // of the space that matters
-  uint32_t tiles;         // the number of tiles in which space was covered
-  uint64_t field_bytes;   // that a field of these probes is expected to take, baked with default settings and maps of
-                          // `resolution` texels along a side (olx_bake_sizes.expected_bytes)
+  uint32_t buried;         // probes inside geometry (buried), which no lookup uses
+  uint32_t rejected;       // OLX_PLACE_GRID: grid points left out because of the description's overrides
+  uint32_t candidates;     // number of positions that were considered
+  double coverage_before;  // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
+  double reward_before;    // the mean reward of surfels before the optimizer, by settings.reward
+  double reward_after;     // and after it, never less
+  uint32_t rounds;         // of the optimizer
+  uint64_t space_voxels;   // of the space that matters
+  uint32_t tiles;          // the number of tiles in which space was covered
+  uint64_t field_bytes;    // that a field of these probes is expected to take, baked with default settings and maps of
+                           // `resolution` texels along a side (olx_bake_sizes.expected_bytes); 0 unless
+                           // settings.field_size or a budget asks for it
   float voxel_metres;
   double seconds;
 } olx_place_report;

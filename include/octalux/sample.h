@@ -14,7 +14,7 @@ extern "C" {
 #pragma GCC visibility push(default)
 
 typedef enum olx_tracer {
-  OLX_TRACER_TEXEL = 0,    // visits every texel on the ray's path: slow, the reference
+  OLX_TRACER_TEXEL = 0, // visits every texel on the ray's path: slow, the reference
   // These give the same answers as OLX_TRACER_TEXEL to the last bit.
   OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. section 4.1: skips blocks of 16 x 16 texels by their smallest distance
   OLX_TRACER_HIZ = 2        // Wang section 4.3: marches a pyramid of smallest and largest distances; the fastest
@@ -43,6 +43,9 @@ typedef struct olx_sample_settings {
   float surface_tolerance;   // how far a surface may lie from its place in the bake and still get its stored light, in
                              // footprints of texels (their side on the surface): for hosts that draw levels of
                              // detail or displaced surfaces; 0 to OLX_MOST_SURFACE_TOLERANCE, default 0
+  bool visibility_only;      // rays find what they hit without its light: radiance, lobe and emission are 0, and
+                             // `emitter` is true only in the sky; so traced light is 0, too. Default false; devices
+                             // ignore it
 } olx_sample_settings;
 
 #define OLX_MOST_SURFACE_TOLERANCE 16.0f
@@ -64,14 +67,14 @@ typedef struct olx_trace_hit {
   olx_trace_status status;
   float distance_metres; // along the ray; infinite for a miss to the sky
   olx_vec3 position;
-  olx_vec3 normal;    // of the surface, on the side of the probe that saw it
-  olx_vec3 radiance;  // reflected by the surface along the ray: linear Rec.709, W/(sr m^2); 0 for a miss
-  olx_vec3 lobe;      // the specular lobe's part of `radiance`, without highlights of lights without area, as if light
-                      // came from all directions alike; 0 with OLX_HITS_STORED
-  olx_vec3 emission;  // sent by an emitter towards the probe, or by the sky along the ray; not part of `radiance`
-  bool emitter;       // the ray ends at an emitter or in the sky
-  uint32_t probe;     // the probe that resolved the ray, or UINT32_MAX
-  uint32_t texel;     // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
+  olx_vec3 normal;   // of the surface, on the side of the probe that saw it
+  olx_vec3 radiance; // reflected by the surface along the ray: linear Rec.709, W/(sr m^2); 0 for a miss
+  olx_vec3 lobe;     // the specular lobe's part of `radiance`, without highlights of lights without area, as if light
+                     // came from all directions alike; 0 with OLX_HITS_STORED
+  olx_vec3 emission; // sent by an emitter towards the probe, or by the sky along the ray; not part of `radiance`
+  bool emitter;      // the ray ends at an emitter or in the sky
+  uint32_t probe;    // the probe that resolved the ray, or UINT32_MAX
+  uint32_t texel;    // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
   float footprint_metres; // of the texel that was hit: stored distance times the square root of its solid angle
   uint32_t texel_steps;   // number of texels whose distance was read, over all probes
   uint32_t probes_tried;

@@ -47,6 +47,7 @@ class Field(Handle):
     - select="best": how probes are found: "cage", "voronoi", "octree", "bricks", "exhaustive"
     - visibility="chebyshev", or "none", for irradiance probes
     - max_probes=16: that a ray may query
+    - visibility_only=False: whether traced rays leave out the light of what they hit
     - keep_buried=False: whether probes inside geometry are queried
     - emitters=False: whether light straight from emitters and the sky counts
     - hits="shaded", or "stored", which needs a field with probe light

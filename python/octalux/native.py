@@ -135,7 +135,8 @@ class FieldInfo(Struct):
 
 class SampleSettings(Struct):
     _fields_ = [("tracer", c_uint32), ("select", c_uint32), ("visibility", c_uint32), ("max_probes", c_uint32),
-                ("keep_buried", c_bool), ("emitters", c_bool), ("hits", c_uint32), ("surface_tolerance", c_float)]
+                ("keep_buried", c_bool), ("emitters", c_bool), ("hits", c_uint32), ("surface_tolerance", c_float),
+                ("visibility_only", c_bool)]
 
 
 class TraceHit(Struct):
@@ -178,7 +179,8 @@ class PlaceSettings(Struct):
                 ("views", c_uint32), ("grid", Grid), ("resolution", c_uint32), ("min_cosine", c_float),
                 ("max_footprint", c_float), ("optimize", c_uint32), ("reward", c_uint32), ("rounds", c_uint32),
                 ("surfels", c_uint32), ("candidates", c_uint32), ("voxel_size", c_float), ("voxels", c_uint32),
-                ("refinements", c_uint32), ("seed", c_uint32), ("threads", c_uint32), ("marks", c_bool)]
+                ("refinements", c_uint32), ("seed", c_uint32), ("threads", c_uint32), ("marks", c_bool),
+                ("field_size", c_bool)]
 
 
 class PlacedProbe(Struct):

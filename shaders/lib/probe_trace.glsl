@@ -494,15 +494,12 @@ struct olx_stand {
   bool judged;         // a texel whose surfel has been judged clear
 };
 
-// Returns the finest level of smallest distances.
-int olx_finest_level() { return olx_geometry_in_blocks() && olx_field.pyramid_levels > 1u ? 1 : 0; }
-
 // Returns where the march over a piece begins: at a small node for the first piece, because a ray begins at a surface,
 // and at a large one in the open space of later pieces. A ray taken over from another probe begins at its first texel,
 // which often hides it.
 olx_stand olx_begin_stand(olx_march m, olx_piece p) {
   bool first_piece = p.t_begin <= m.ray.t_min, first = first_piece && p.t_begin > 0.0;
-  int level = first ? -1 : first_piece ? olx_finest_level() : int(olx_field.pyramid_levels) - 1;
+  int level = first ? -1 : first_piece ? 0 : int(olx_field.pyramid_levels) - 1;
   ivec2 texel = ivec2(p.u.first, p.v.first);
   return olx_stand(texel >> olx_pyramid_shift(level), level, -1.0, p.t_begin, false, 0.0, first, false);
 }
@@ -553,8 +550,7 @@ bool olx_find_texel(inout olx_march m, olx_piece p, inout olx_stand at, out floa
     if (enter) {
       olx_enter(p, at);
     } else if (at.first) {
-      int finest = olx_finest_level();
-      at = olx_stand(at.at >> olx_pyramid_shift(finest), finest, -1.0, p.t_begin, false, 0.0, false, false);
+      at = olx_stand(at.at >> OLX_PYRAMID_FINEST, 0, -1.0, p.t_begin, false, 0.0, false, false);
     } else {
       bool by_v = s.x > s.y;
       olx_leave(at, at.at + (by_v ? ivec2(0, olx_axis_step(p.v)) : ivec2(olx_axis_step(p.u), 0)), s1, t1, by_v);

@@ -53,9 +53,8 @@ olx_verdict olx_march_hiz(olx_march *m, const olx_piece *p, olx_probe_answer *an
     const olx_verdict verdict = olx_visit_first(m, p, answer);
     if (verdict != OLX_VERDICT_CLEAR) return verdict;
   }
-  // A ray begins at a surface, where only small nodes are clear, and enters later faces in open space.
-  const olx_pyramid_shape *pyramid = &m->field->pyramid;
-  const uint32_t begin_level = first_piece ? pyramid->least_level : pyramid->levels - 1,
+  // A ray begins at a surface, where only the smallest nodes are clear, and enters later faces in open space.
+  const uint32_t begin_level = first_piece ? 0 : m->field->pyramid.levels - 1,
                  begin_shift = olx_pyramid_shift(begin_level);
   stand at = {.x = p->u.first >> begin_shift,
               .y = p->v.first >> begin_shift,

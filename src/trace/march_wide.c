@@ -123,9 +123,8 @@ WIDE void set_pieces(lanes *l, words which) {
   l->sign_z = pick(which, sign_z, l->sign_z);
   l->slack = pick(which, OLX_PARAMETER_ROUNDING * (reals)(finite & (words)t_end), l->slack);
 
-  const int32_t top = (int32_t)l->field->pyramid.levels, finest = (int32_t)l->field->pyramid.least_level + 1;
-  const words begin_level = pick_word(t_begin <= l->t_min, splat_word(finest), splat_word(top)),
-              shift = 2 * begin_level;
+  const int32_t top = (int32_t)l->field->pyramid.levels;
+  const words begin_level = pick_word(t_begin <= l->t_min, splat_word(1), splat_word(top)), shift = 2 * begin_level;
   l->level = pick_word(which, begin_level, l->level);
   l->x = pick_word(which, l->u.first >> shift, l->x);
   l->y = pick_word(which, l->v.first >> shift, l->y);

@@ -263,6 +263,7 @@ static olx_vec3 sky_radiance(const search *s) {
 // Reads the light stored in the hit's texel. After lights have changed, a field's stored radiance is out of date.
 static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
   const olx_field *field = s->field;
+  if (s->settings->visibility_only) return;
   hit->emitter = olx_texel_emits(field, probe, texel);
   if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
   const bool stored = field->radiance && s->settings->hits == OLX_HITS_STORED && !field->relit;
@@ -288,7 +289,7 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
     if (s->t_max >= t_max) return hit; // it ends in free space
     hit.distance_metres = INFINITY;
     hit.emitter = true;
-    hit.emission = sky_radiance(s);
+    if (!s->settings->visibility_only) hit.emission = sky_radiance(s);
     return hit;
   }
   hit.texel = (uint32_t)answer->texel;
@@ -432,7 +433,7 @@ static void trace_by_bricks(const olx_field *field, const olx_sample_settings *s
     choose_by_bricks(&b, field);
     for (uint32_t k = b.asking; k < b.open_count; k++) hits[b.open[k]] = search_rest(&b.searches[b.open[k]], t_max);
     olx_trace_probes(field, b.jobs, b.asking, settings->tracer, b.answers);
-    for (uint32_t k = 0; k < b.asking; k++) {
+    for (uint32_t k = 0; k < b.asking && !settings->visibility_only; k++) {
       prefetch_light(field, settings, b.jobs[k].probe, b.answers[k].texel);
     }
     b.open_count = 0;

@@ -85,6 +85,28 @@ olx_result olx_vulkan_allocate(const olx_vulkan_context *c, const VkMemoryRequir
   return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: the device has no memory of a fitting type", what);
 }
 
+static VkDescriptorType binding_type(const olx_set_bindings *b, uint32_t binding) {
+  if (b->uniforms >> binding & 1u) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  if (b->buffers >> binding & 1u) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  return b->sampled >> binding & 1u ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+}
+
+olx_result olx_vulkan_set_layout_create(const olx_vulkan_context *c, const olx_set_bindings *b, const char *what,
+                                        VkDescriptorSetLayout *layout) {
+  enum { MOST_BINDINGS = 32 };
+  VkDescriptorSetLayoutBinding bindings[MOST_BINDINGS];
+  uint32_t count = 0;
+  for (uint32_t left = b->uniforms | b->buffers | b->sampled | b->stored; left; left &= left - 1) {
+    const uint32_t i = (uint32_t)__builtin_ctz(left);
+    bindings[count++] = (VkDescriptorSetLayoutBinding){
+        .binding = i, .descriptorType = binding_type(b, i), .descriptorCount = 1, .stageFlags = b->stages};
+  }
+  const VkDescriptorSetLayoutCreateInfo info = {
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
+  return olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &info, NULL, layout),
+                          "vkCreateDescriptorSetLayout", what);
+}
+
 olx_result olx_staging_create(const olx_vulkan_context *c, VkDeviceSize bytes, const char *what, olx_staging *s) {
   *s = (olx_staging){.mapped = NULL};
   const VkBufferCreateInfo info = {

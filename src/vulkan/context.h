@@ -23,6 +23,15 @@ olx_result olx_vulkan_check(VkResult result, const char *call, const char *what)
 olx_result olx_vulkan_allocate(const olx_vulkan_context *context, const VkMemoryRequirements *requirements,
                                VkMemoryPropertyFlags properties, const char *what, VkDeviceMemory *memory);
 
+// The bindings of a descriptor set: a bit for each binding of each kind, and the stages that use them.
+typedef struct olx_set_bindings {
+  uint32_t uniforms, buffers, sampled, stored; // uniform and storage buffers, sampled and storage images
+  VkShaderStageFlags stages;
+} olx_set_bindings;
+
+olx_result olx_vulkan_set_layout_create(const olx_vulkan_context *context, const olx_set_bindings *bindings,
+                                        const char *what, VkDescriptorSetLayout *layout);
+
 // A buffer to copy from, in memory visible to host and device.
 typedef struct olx_staging {
   VkBuffer buffer;

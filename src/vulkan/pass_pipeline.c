@@ -11,17 +11,10 @@ static VkDescriptorType binding_type(uint32_t binding, uint32_t first_storage) {
 
 olx_result olx_gpu_set_layout_create(const olx_vulkan_context *c, uint32_t count, uint32_t first_storage,
                                      VkDescriptorSetLayout *layout) {
-  VkDescriptorSetLayoutBinding bindings[MAX_BINDINGS];
-  for (uint32_t i = 0; i < count; i++) {
-    bindings[i] = (VkDescriptorSetLayoutBinding){.binding = i,
-                                                 .descriptorType = binding_type(i, first_storage),
-                                                 .descriptorCount = 1,
-                                                 .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  }
-  const VkDescriptorSetLayoutCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
-  return olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &info, NULL, layout),
-                          "vkCreateDescriptorSetLayout", WHAT);
+  const uint32_t all = (1u << count) - 1, sampled = all & ((1u << first_storage) - 1);
+  const olx_set_bindings bindings = {
+      .sampled = sampled, .stored = all & ~sampled, .stages = VK_SHADER_STAGE_COMPUTE_BIT};
+  return olx_vulkan_set_layout_create(c, &bindings, WHAT, layout);
 }
 
 olx_result olx_gpu_layout_create(const olx_vulkan_context *c, uint32_t set_count, const VkDescriptorSetLayout *sets,

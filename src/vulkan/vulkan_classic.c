@@ -1,8 +1,8 @@
 // Uploads classic maps, irradiance probes without visibility, to a device, and records the pass that lights a frame
 // with them for comparison.
 #include "core/hooks.h"
-#include "vulkan/vulkan_frame.h"
 #include "vulkan/uploader.h"
+#include "vulkan/vulkan_frame.h"
 
 static const char WHAT[] = "classic maps on the device";
 
@@ -124,13 +124,8 @@ static olx_result upload(olx_vulkan_classic *classic, const olx_field *field) {
 
 static olx_result create_set(olx_vulkan_classic *classic) {
   const olx_vulkan_context *c = &classic->field->context;
-  const VkDescriptorSetLayoutBinding binding = {.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                                .descriptorCount = 1,
-                                                .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  const VkDescriptorSetLayoutCreateInfo layout = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = &binding};
-  OLX_TRY(olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &layout, NULL, &classic->set_layout),
-                           "vkCreateDescriptorSetLayout", WHAT));
+  const olx_set_bindings bindings = {.buffers = 1, .stages = VK_SHADER_STAGE_COMPUTE_BIT};
+  OLX_TRY(olx_vulkan_set_layout_create(c, &bindings, WHAT, &classic->set_layout));
   const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1};
   const VkDescriptorPoolCreateInfo pool = {
       .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 1, .pPoolSizes = &size};

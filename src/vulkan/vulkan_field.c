@@ -332,21 +332,13 @@ static VkDescriptorType binding_type(uint32_t binding) {
 }
 
 olx_result olx_gpu_field_set_layout(const olx_vulkan_context *c, uint32_t mask, VkDescriptorSetLayout *layout) {
-  VkDescriptorSetLayoutBinding bindings[OLX_FIELD_BINDINGS];
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < OLX_FIELD_BINDINGS; i++) {
-    if (!(mask >> i & 1u)) continue;
-    bindings[count++] = (VkDescriptorSetLayoutBinding){
-        .binding = i,
-        .descriptorType = binding_type(i),
-        .descriptorCount = 1,
-        .stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT,
-    };
-  }
-  const VkDescriptorSetLayoutCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
-  return olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &info, NULL, layout),
-                          "vkCreateDescriptorSetLayout", WHAT);
+  const uint32_t uniforms = 1u << OLX_BINDING_FIELD, images = ALL_BINDINGS & ~((1u << OLX_BINDING_RADIANCE) - 1);
+  const olx_set_bindings bindings = {.uniforms = mask & uniforms,
+                                     .buffers = mask & ~(uniforms | images),
+                                     .sampled = mask & images,
+                                     .stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT |
+                                               VK_SHADER_STAGE_COMPUTE_BIT};
+  return olx_vulkan_set_layout_create(c, &bindings, WHAT, layout);
 }
 
 static olx_result create_set(olx_vulkan_field *gpu) {

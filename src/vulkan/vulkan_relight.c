@@ -101,22 +101,6 @@ static olx_result bind_buffers(olx_vulkan_relight *r) {
 
 // ---- Sets and pipelines
 
-static olx_result make_own_layout(const olx_vulkan_context *c, uint32_t mask, VkDescriptorSetLayout *layout) {
-  VkDescriptorSetLayoutBinding bindings[OLX_RELIGHT_BINDINGS];
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < OLX_RELIGHT_BINDINGS; i++) {
-    if (!(mask >> i & 1u)) continue;
-    bindings[count++] = (VkDescriptorSetLayoutBinding){.binding = i,
-                                                       .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                                       .descriptorCount = 1,
-                                                       .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  }
-  const VkDescriptorSetLayoutCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
-  return olx_vulkan_check(c->vk.CreateDescriptorSetLayout(c->host.device, &info, NULL, layout),
-                          "vkCreateDescriptorSetLayout", WHAT);
-}
-
 static void write_own_set(const olx_vulkan_relight *r, olx_relight_group group, VkDescriptorSet set) {
   const olx_vulkan_field *gpu = r->gpu;
   const uint32_t mask = OWN_MASKS[group];
@@ -158,7 +142,8 @@ static olx_result make_group(olx_vulkan_relight *r, olx_relight_group index) {
   const olx_vulkan_context *c = &r->gpu->context;
   olx_gpu_group *g = &r->groups[index];
   const uint32_t own = OWN_MASKS[index], field = FIELD_MASKS[index];
-  OLX_TRY(make_own_layout(c, own, &g->own_layout));
+  const olx_set_bindings bindings = {.buffers = own, .stages = VK_SHADER_STAGE_COMPUTE_BIT};
+  OLX_TRY(olx_vulkan_set_layout_create(c, &bindings, WHAT, &g->own_layout));
   OLX_TRY(olx_gpu_set_allocate(c, r->pool, g->own_layout, &g->own));
   write_own_set(r, index, g->own);
   OLX_TRY(olx_gpu_field_set_layout(c, field, &g->field_layout));

@@ -76,6 +76,7 @@ static olx_result sample_probes(const olx_scene *scene, const olx_candidate *pro
 
 olx_result olx_budget_keep(const olx_scene *scene, const olx_candidate *probes, olx_probe_set *set) {
   const olx_place_settings *s = &set->settings;
+  if (!s->field_size && !(s->budget_mb > 0.0)) return OLX_OK;
   olx_texel_bytes texels = {0};
   if (set->count) OLX_TRY(sample_probes(scene, probes, set, &texels));
   if (s->budget_mb > 0.0 && s->method != OLX_PLACE_GRID) {

@@ -213,7 +213,8 @@ olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_by
 
 // Writes the part of a field that diffuse light needs, compressed by gzip, through a temporary file that is synced and
 // renamed: positions, geometry, indirect light, bricks and the irradiance volume, each filtered so that gzip leaves less
-// of it (docs/web.md). The browser package reads it and draws no reflections; olx_field_open refuses it. file_bytes, which may be NULL, receives the size of the file.
+// of it (docs/web.md). The browser package reads it and draws no reflections; olx_field_open refuses it. file_bytes,
+// which may be NULL, receives the size of the file.
 olx_result olx_export_diffuse_gzip(const olx_field *field, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop

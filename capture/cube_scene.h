@@ -1,4 +1,5 @@
-// The triangles of a scene on a device, in the order in which cube maps draw them, and the alpha masks of its materials.
+// The triangles of a scene on a device, in the order in which cube maps draw them, and the alpha masks of its
+// materials.
 #ifndef OCTALUX_CAPTURE_CUBE_SCENE_H
 #define OCTALUX_CAPTURE_CUBE_SCENE_H
 

@@ -18,8 +18,8 @@ target_compile_options(olx_flags INTERFACE
   -ffp-contract=off -fno-math-errno
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes -Wmissing-prototypes>
   $<$<BOOL:${OLX_WERROR}>:-Werror>)
-# Functions of no public header are hidden, but where the baker and the tests find them in another library. Calls within a
-# library are bound to it either way.
+# Functions of no public header are hidden, but where the baker and the tests find them in another library. Calls within
+# a library are bound to it either way.
 if(BUILD_SHARED_LIBS)
   target_compile_options(olx_flags INTERFACE -fno-semantic-interposition)
   target_link_options(olx_flags INTERFACE -Wl,-Bsymbolic-functions)

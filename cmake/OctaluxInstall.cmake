@@ -1,5 +1,5 @@
-# What `make install` puts where: headers, libraries, a CMake package, pkg-config files, documents. Programs are installed by their
-# folders. Components are Debian's packages (OctaluxPackages.cmake).
+# What `make install` puts where: headers, libraries, a CMake package, pkg-config files, documents. Programs are
+# installed by their folders. Components are Debian's packages (OctaluxPackages.cmake).
 include(CMakePackageConfigHelpers)
 set(OLX_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/octalux)
 set(OLX_SHADER_DIR ${CMAKE_INSTALL_DATADIR}/octalux/shaders)
@@ -31,7 +31,8 @@ if(BUILD_SHARED_LIBS)
   set(OLX_BAKE_PC_REQUIRES "Requires: octalux")
   set(OLX_BAKE_PC_LIBS "-L\${libdir} -loctalux-bake")
 else()
-  # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 and meshoptimizer have no pkg-config files.
+  # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 and meshoptimizer have
+  # no pkg-config files.
   set(OLX_BAKE_PC_REQUIRES "Requires: assimp libcjson qhull_r libzstd OpenEXR zlib")
   set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lmeshoptimizer -lm -pthread")
 endif()

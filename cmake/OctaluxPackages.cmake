@@ -1,5 +1,5 @@
-# Debian packages, one for each component of the installation: `make packages`. Each has a copyright file that names the libraries of
-# others (third_party.tsv). They are built where dpkg-shlibdeps and Python are.
+# Debian packages, one for each component of the installation: `make packages`. Each has a copyright file that names the
+# libraries of others (third_party.tsv). They are built where dpkg-shlibdeps and Python are.
 find_program(OLX_DPKG_SHLIBDEPS dpkg-shlibdeps)
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(NOT OLX_DPKG_SHLIBDEPS OR NOT Python3_FOUND OR BUILD_SHARED_LIBS)
@@ -20,7 +20,8 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# olx_package COMPONENT NAME SECTION DESCRIPTION [DEPENDS LIST] [RECOMMENDS LIST]: lists are as Debian's control files have them.
+# olx_package COMPONENT NAME SECTION DESCRIPTION [DEPENDS LIST] [RECOMMENDS LIST]: lists are as Debian's control files
+# have them.
 function(olx_package component name section description)
   cmake_parse_arguments(package "" "DEPENDS;RECOMMENDS" "" ${ARGN})
   string(TOUPPER ${component} upper)

@@ -1,5 +1,5 @@
-# The page of `octalux export web`: our modules, with three.js from npm beside them. A build without its tools, or without a way to npm,
-# leaves it out and says so; the command then says what is missing.
+# The page of `octalux export web`: our modules, with three.js from npm beside them. A build without its tools, or
+# without a way to npm, leaves it out and says so; the command then says what is missing.
 find_program(OLX_NODE node)
 find_program(OLX_NPM npm)
 find_program(OLX_WASM_CLANG clang)

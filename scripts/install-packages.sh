@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Install the Debian packages that Octalux needs: install-packages.sh [build|check|full|soak]. Does nothing when all of them are there.
+# Install the Debian packages that Octalux needs: install-packages.sh [build|check|full|soak]. Does nothing when all of
+# them are there.
 #   build   what building needs (the default), and what it leaves parts out without
 #   check   also what `make check` needs
 #   full    also what `make check-full` needs
@@ -9,8 +10,8 @@ list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
   libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
-# Without these packages the build leaves out the Vulkan runtime, the viewer or octalux-bake-mpi, with a message; without those of the
-# check, the page of export web.
+# Without these packages the build leaves out the Vulkan runtime, the viewer or octalux-bake-mpi, with a message;
+# without those of the check, the page of export web.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev libopenmpi-dev)
 case $list in
   build) ;;

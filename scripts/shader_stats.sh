@@ -4,8 +4,8 @@
 #
 #   shader_stats.sh [--quick] BENCH_GPU FIELD.olx [CHIP...]
 #
-# runs octalux-bench-gpu --compile --json for each chip and prints one line for each; default chips: navi21 polaris10. With
-# --quick, pipelines of other tracers and selectors than the default are left out.
+# runs octalux-bench-gpu --compile --json for each chip and prints one line for each; default chips: navi21 polaris10.
+# With --quick, pipelines of other tracers and selectors than the default are left out.
 #
 # Exits with 77 where RADV is not installed (Debian: mesa-vulkan-drivers).
 set -euo pipefail

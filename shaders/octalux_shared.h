@@ -299,8 +299,8 @@ typedef struct olx_gpu_uvec4 {
 // Weights below this are multiplied by the square of their ratio to it (after Majercik et al. 2019).
 #define OLX_CRUSH_BELOW 0.2f
 // How far from the surface visibility is tested, as an angle seen from the probe: a texel of a map of this size, which
-// is two thirds of the standard deviation of the filter on distances (src/bake/irradiance/quadrature.h), or a texel of the
-// moments' own map where that is coarser.
+// is two thirds of the standard deviation of the filter on distances (src/bake/irradiance/quadrature.h), or a texel of
+// the moments' own map where that is coarser.
 #define OLX_BIAS_MAP_SIZE 32.0f
 // When the weights of a cage sum to less than this, a more distant probe supplies the rest.
 #define OLX_TRUSTED_WEIGHT 0.01f

@@ -174,7 +174,8 @@ static void blocks_have_their_size(void **state) {
   olx_scene_free(scene);
 }
 
-// `place` announces the size that `bake` announces for the same probes, and a field within a twentieth of it is written.
+// `place` announces the size that `bake` announces for the same probes, and a field within a twentieth of it is
+// written.
 static void place_and_bake_announce_the_size_of_the_file(void **state) {
   const scene_folder *folder = *state;
   char path[512];

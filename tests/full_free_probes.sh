@@ -13,8 +13,8 @@ source "$OCTALUX_SOURCE_DIR/tests/cli/holds.sh"
 # Rays read distances and normals alone, so light is baked as cheaply as possible.
 dark="--radiance-size 512 --samples 1 --bounces 0 --no-fit --irradiance-size 8 --irradiance-grid 1x1x1 --light reference --reference-paths 1"
 
-# hold_rays SCENE COUNT UNRESOLVED WRONG PROBES OPTION...: checks the shares of unresolved and of wrong rays, and the mean
-# number of probes that a ray tries, in a field that is baked with the options.
+# hold_rays SCENE COUNT UNRESOLVED WRONG PROBES OPTION...: checks the shares of unresolved and of wrong rays, and the
+# mean number of probes that a ray tries, in a field that is baked with the options.
 hold_rays() {
   "$OCTALUX" place "$1" --method cover --count "$2" -o "$work/probes.json" >/dev/null 2>&1
   "$OCTALUX" bake "$1" -o "$work/field.olx" --probes "$work/probes.json" $dark "${@:6}" >/dev/null 2>&1

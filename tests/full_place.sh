@@ -1,7 +1,7 @@
-# Every method places probes where they may be in the scenes that PLACED names, according to a check that shares no code with placement;
-# the probes of the method cover see as much as docs/studies/placement.md says. Models are searched for in
-# OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Both optimizers move probes in the scenes that OPTIMIZED
-# names; soak_place.sh takes all scenes for both.
+# Every method places probes where they may be in the scenes that PLACED names, according to a check that shares no code
+# with placement; the probes of the method cover see as much as docs/studies/placement.md says. Models are searched for
+# in OCTALUX_SCENES, or in ../shared/scenes beside the checkout. Both optimizers move probes in the scenes that
+# OPTIMIZED names; soak_place.sh takes all scenes for both.
 set -euo pipefail
 export OCTALUX_SCENES=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
 scenes=${PLACED:-cornell sponza kitchen pandora}

@@ -40,8 +40,8 @@ static olx_field *bake(const char *name) {
   return baked;
 }
 
-// Makes the frame of all pictures: its pipelines, whose compilation takes seconds on a CPU device, fit every field of the
-// same room, since all have the same set layouts.
+// Makes the frame of all pictures: its pipelines, whose compilation takes seconds on a CPU device, fit every field of
+// the same room, since all have the same set layouts.
 static void make_frame(void) {
   images = host_images_make(&device, WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
   images.targets.passes = OLX_VULKAN_PASS_IRRADIANCE | OLX_VULKAN_PASS_GLOSSY;

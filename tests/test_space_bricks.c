@@ -1,5 +1,5 @@
-// Tests bricks of space: a ray crosses the bricks that its points lie in, and a ray that crosses no brick whose geometry
-// was edited finds the same as before.
+// Tests bricks of space: a ray crosses the bricks that its points lie in, and a ray that crosses no brick whose
+// geometry was edited finds the same as before.
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"

@@ -1,5 +1,5 @@
-// The state of the viewer, what it shows and how: one struct that options, keys, scripts and the panel change, and that the renderer
-// reads.
+// The state of the viewer, what it shows and how: one struct that options, keys, scripts and the panel change, and that
+// the renderer reads.
 #ifndef OCTALUX_VIEW_STATE_H
 #define OCTALUX_VIEW_STATE_H
 

@@ -145,7 +145,8 @@ static void report_part(const job *j, uint32_t count, bool interpolated) {
          interpolated ? "interpolated" : "gathered", 100.0 * part / valid, error / squares, two / squares);
 }
 
-// Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the guide.
+// Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the
+// guide.
 static void report_rays(const job *j, uint32_t count) {
   enum { PLACES = 400, RAYS = 2048 };
   const olx_scene_light *l = j->light[0];

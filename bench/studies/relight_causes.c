@@ -1,9 +1,10 @@
-// Measures how far relit light is from a fresh bake, bounce by bounce, and what of it comes from each step of relighting.
+// Measures how far relit light is from a fresh bake, bounce by bounce, and what of it comes from each step of
+// relighting.
 //
 //   relight-causes SCENE MOVED CAMERA [MAP] [NOISE] [X Y Z]
 //
-// MOVED is SCENE with other lights; X Y Z are the probes along each axis. SCENE is baked for relighting and relit by the
-// lights of MOVED, which is baked with all bounces and with one. Everything is done twice, with different random
+// MOVED is SCENE with other lights; X Y Z are the probes along each axis. SCENE is baked for relighting and relit by
+// the lights of MOVED, which is baked with all bounces and with one. Everything is done twice, with different random
 // numbers: products of the two differences leave out noise, which is printed beside them. The light of a solution of
 // MOVED then replaces that of relit surfels, step by step. Light is compared at surfaces that the camera sees.
 #include "bake/capture/shade_batch.h"
@@ -155,7 +156,8 @@ static sums sum_up(const study *s, const pair *relit, const pair *baked, bool st
   return t;
 }
 
-// Prints the differences of relit and baked light at stored or other points, as shares of the mean of `all` light there.
+// Prints the differences of relit and baked light at stored or other points, as shares of the mean of `all` light
+// there.
 static void compare(const study *s, const char *what, const pair *relit, const pair *baked, const pair *all,
                     bool stored) {
   const sums t = sum_up(s, relit, baked, stored);

@@ -65,7 +65,8 @@ typedef struct olx_bake_work {
 // "Rasterised capture"; McGuire et al. 2017, section 6). The baker brings none, because it opens no device: capture/
 // has one for Vulkan devices.
 typedef struct olx_bake_raster {
-  // Names the device and its driver in one line, on which the field's bytes depend; a work folder belongs to one of them.
+  // Names the device and its driver in one line, on which the field's bytes depend; a work folder belongs to one of
+  // them.
   const char *name;
   // Finds the triangles that `count` probes see. triangles[((p * 6 + face) * side + row) * side + column] becomes the
   // index of the triangle that is nearest along the middle of a texel, or UINT32_MAX for the sky. Masked-out parts of

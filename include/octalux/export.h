@@ -200,10 +200,10 @@ olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *set
 // Writes the contents of a scene as a .glb (glTF 2.0): triangles by material, with embedded textures; emission,
 // specular weight and lights without area by KHR_materials_emissive_strength, KHR_materials_specular and
 // KHR_lights_punctual; cameras. Positions are in metres relative to the scene's origin, so that the model lies over the
-// scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Textures are PNG; colours of
-// opaque surfaces are JPEG of quality 92 where that takes less than half as much, as photographs do. Height maps, alpha
-// textures of their own and images of environments are left out. Written through a temporary file that is synced and
-// renamed, and compressed by gzip where the path ends in ".gz". file_bytes may be NULL.
+// scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Textures are PNG; colours
+// of opaque surfaces are JPEG of quality 92 where that takes less than half as much, as photographs do. Height maps,
+// alpha textures of their own and images of environments are left out. Written through a temporary file that is synced
+// and renamed, and compressed by gzip where the path ends in ".gz". file_bytes may be NULL.
 olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 
 // Writes a copy of a file compressed by gzip, which browsers unpack, through a temporary file that is synced and
@@ -212,9 +212,9 @@ olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *
 olx_result olx_export_gzip(const char *from, const char *path, uint64_t *file_bytes);
 
 // Writes the part of a field that diffuse light needs, compressed by gzip, through a temporary file that is synced and
-// renamed: positions, geometry, indirect light, bricks and the irradiance volume, each filtered so that gzip leaves less
-// of it (docs/web.md). The browser package reads it and draws no reflections; olx_field_open refuses it. file_bytes,
-// which may be NULL, receives the size of the file.
+// renamed: positions, geometry, indirect light, bricks and the irradiance volume, each filtered so that gzip leaves
+// less of it (docs/web.md). The browser package reads it and draws no reflections; olx_field_open refuses it.
+// file_bytes, which may be NULL, receives the size of the file.
 olx_result olx_export_diffuse_gzip(const olx_field *field, const char *path, uint64_t *file_bytes);
 
 #pragma GCC visibility pop

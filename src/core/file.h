@@ -35,7 +35,8 @@ olx_result olx_output_commit(olx_output_file *file);
 // Closes the output and removes the temporary file; has no effect after a commit.
 void olx_output_discard(olx_output_file *file);
 
-// Bytes whose place in an output is known only at its end: a temporary file in the output's folder, which takes no memory.
+// Bytes whose place in an output is known only at its end: a temporary file in the output's folder, which takes no
+// memory.
 // Must be zero-initialised.
 typedef struct olx_spool {
   olx_temporary file;

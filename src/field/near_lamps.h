@@ -2,10 +2,10 @@
 //
 // A lamp lights a surface by the inverse square of their distance, so that a ray which happens to end within a few
 // centimetres of it brings many thousands of times the mean, and no number of rays makes the mean certain. The light
-// that surfaces near a lamp reflect is therefore sampled from the lamp: rays of equal light leave it, and each that ends
-// nearby leaves a point that reflects this light as a matte surface does. Rays from elsewhere that end near the lamp do
-// not see its direct light, because these points already stand for it (Keller, Instant Radiosity, SIGGRAPH 1997, for
-// surfaces near lamps only). Bakes and renderers find the surfaces by triangles, and relighting by the field.
+// that surfaces near a lamp reflect is therefore sampled from the lamp: rays of equal light leave it, and each that
+// ends nearby leaves a point that reflects this light as a matte surface does. Rays from elsewhere that end near the
+// lamp do not see its direct light, because these points already stand for it (Keller, Instant Radiosity, SIGGRAPH
+// 1997, for surfaces near lamps only). Bakes and renderers find the surfaces by triangles, and relighting by the field.
 #ifndef OLX_FIELD_NEAR_LAMPS_H
 #define OLX_FIELD_NEAR_LAMPS_H
 

@@ -1,7 +1,7 @@
-// The data that a field stores so that its light can change (docs/format.md, "Relighting"): surfels, which are points on the
-// scene's surfaces that receive light and reflect it; links, which say from which surfels light arrives at each; and
-// the surfels that light the texels of light field probes and the probes of the irradiance volume. The structure lies
-// in the file as it is read; src/bake builds it.
+// The data that a field stores so that its light can change (docs/format.md, "Relighting"): surfels, which are points
+// on the scene's surfaces that receive light and reflect it; links, which say from which surfels light arrives at each;
+// and the surfels that light the texels of light field probes and the probes of the irradiance volume. The structure
+// lies in the file as it is read; src/bake builds it.
 #ifndef OLX_FIELD_RELIGHT_DATA_H
 #define OLX_FIELD_RELIGHT_DATA_H
 

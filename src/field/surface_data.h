@@ -1,5 +1,5 @@
-// The data that texels of light field probes store of the surfaces that they see: material, light and emission. It also has
-// the scene's lights without area (docs/format.md, "Surfaces"). field/texels.h reads the texels.
+// The data that texels of light field probes store of the surfaces that they see: material, light and emission. It also
+// has the scene's lights without area (docs/format.md, "Surfaces"). field/texels.h reads the texels.
 #ifndef OLX_FIELD_SURFACE_DATA_H
 #define OLX_FIELD_SURFACE_DATA_H
 

@@ -1,9 +1,9 @@
-// What an earlier scene, as a work folder remembers it, has in common with the scene of a bake: the bricks of space whose
-// geometry differs, and which of its surfels serve the same surfaces under which number.
+// What an earlier scene, as a work folder remembers it, has in common with the scene of a bake: the bricks of space
+// whose geometry differs, and which of its surfels serve the same surfaces under which number.
 //
 // A ray of the earlier scene finds the same when it crosses no changed brick and ends where the same surfel is found.
-// Which surfel is found at a place depends on the smallest cell there that is known, on the surfels of this cell, and on
-// which of its eighths are known; shadow rays between surfels cross bricks like any others.
+// Which surfel is found at a place depends on the smallest cell there that is known, on the surfels of this cell, and
+// on which of its eighths are known; shadow rays between surfels cross bricks like any others.
 #ifndef OLX_LIGHT_FORMER_SURFELS_H
 #define OLX_LIGHT_FORMER_SURFELS_H
 

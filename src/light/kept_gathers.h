@@ -1,5 +1,6 @@
-// What the rays of gathers found (scene_light.h), kept with what they depend on, so that after an edit of the scene only
-// rays that would find something else are cast again (kept_rays.h). The gathers of a row of texels are kept in order.
+// What the rays of gathers found (scene_light.h), kept with what they depend on, so that after an edit of the scene
+// only rays that would find something else are cast again (kept_rays.h). The gathers of a row of texels are kept in
+// order.
 #ifndef OLX_LIGHT_KEPT_GATHERS_H
 #define OLX_LIGHT_KEPT_GATHERS_H
 
@@ -38,8 +39,8 @@ typedef struct olx_gather_row {
   const olx_former_surfels *earlier; // that scene's surfels; NULL: they are the same
 } olx_gather_row;
 
-// Finds the next gather with this check, which covers everything that its rays are drawn from; returns false where there
-// is none near.
+// Finds the next gather with this check, which covers everything that its rays are drawn from; returns false where
+// there is none near.
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather);
 void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather);
 

@@ -2,8 +2,8 @@
 // would find something else.
 //
 // The rays of a packet are the same as before when its check is, which covers everything that they are drawn from. A
-// ray finds the same when no material that it met has changed, nor any emitter where it looked for light, nor geometry in
-// a brick of space that it crossed, nor the surfels where it ended (former_surfels.h).
+// ray finds the same when no material that it met has changed, nor any emitter where it looked for light, nor geometry
+// in a brick of space that it crossed, nor the surfels where it ended (former_surfels.h).
 #ifndef OLX_LIGHT_KEPT_RAYS_H
 #define OLX_LIGHT_KEPT_RAYS_H
 

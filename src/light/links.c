@@ -145,7 +145,8 @@ static void add_near_lamps(const cast_job *c, const olx_surface *surface, float 
   add_light(end, 1, olx_scale(irradiance, factor / OLX_PI));
 }
 
-// Returns the radii of lamps whose direct light the end of a ray leaves out, because points near the lamps stand for it.
+// Returns the radii of lamps whose direct light the end of a ray leaves out, because points near the lamps stand for
+// it.
 // A mirror reflects no light of points, but the rays that it reflects find their surfaces.
 static const float *dark_of(const cast_job *c, const way *w) {
   return w->chain > 0 && !w->lit && w->lobe.pdf <= 0.0f ? NULL : c->surfels->lamps.radius;

@@ -13,8 +13,8 @@ olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uin
                        const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays);
 
 // Returns the same light but for what surfaces near lamps (field/near_lamps.h) reflect of these lamps and send to the
-// ray's origin, which would be rare and very bright: olx_scene_light_beam samples it. Smooth surfaces show lamps as wider
-// lobes do, so this is for rays whose light is averaged.
+// ray's origin, which would be rare and very bright: olx_scene_light_beam samples it. Smooth surfaces show lamps as
+// wider lobes do, so this is for rays whose light is averaged.
 olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces,
                                       const olx_ray *ray, const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays);
 

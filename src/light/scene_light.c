@@ -18,7 +18,8 @@ enum {
 // Light is not interpolated where the standard deviation over the neighbours is above this share of the mean.
 static const float ROUGH_SPREAD = 0.3f;
 // Where few surfels determine it, it is not interpolated above this share either, unless the rays that the point would
-// cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed, too.
+// cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed,
+// too.
 static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;

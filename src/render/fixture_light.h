@@ -1,10 +1,10 @@
 // The light of surfaces near lamps (field/near_lamps.h) in lobes whose light is gathered by rays.
 //
-// A ray that happens to end a few centimetres from a lamp without area brings thousands of times the mean, which shows as
-// a white speck. Such light is therefore estimated in two ways at once: by the rays, and by points drawn from the lamp's
-// own rays. Both count by the balance heuristic (Veach and Guibas, Optimally Combining Sampling Techniques, SIGGRAPH
-// 1995): the sum keeps the mean, and neither part can exceed the light that one of the points sends. Light that the
-// ends reflect as highlights is replaced by that of a matte surface, as in bakes.
+// A ray that happens to end a few centimetres from a lamp without area brings thousands of times the mean, which shows
+// as a white speck. Such light is therefore estimated in two ways at once: by the rays, and by points drawn from the
+// lamp's own rays. Both count by the balance heuristic (Veach and Guibas, Optimally Combining Sampling Techniques,
+// SIGGRAPH 1995): the sum keeps the mean, and neither part can exceed the light that one of the points sends. Light
+// that the ends reflect as highlights is replaced by that of a matte surface, as in bakes.
 #ifndef OLX_RENDER_FIXTURE_LIGHT_H
 #define OLX_RENDER_FIXTURE_LIGHT_H
 
@@ -18,8 +18,8 @@ olx_result olx_fixtures_find(olx_render_context *context);
 // Returns the density, in 1/sr, with which rays of the specular lobe are drawn in a direction; 0 for a mirror.
 float olx_glossy_density(const olx_shading *shading, olx_vec3 direction);
 
-// Takes from the radiance of a hit the share that points drawn from lamps bring instead. The ray was drawn with `density`
-// (1/sr); with 0 the hit stays as it is.
+// Takes from the radiance of a hit the share that points drawn from lamps bring instead. The ray was drawn with
+// `density` (1/sr); with 0 the hit stays as it is.
 void olx_fixtures_leave(const olx_render_context *context, olx_vec3 direction, float density, olx_trace_hit *hit);
 
 // The lobe of a surface that gathers light.

@@ -8,8 +8,8 @@
 struct olx_bvh {
   struct olx_bvh_tree *tree;
   // Receives the bricks that single rays cross: to the hit of olx_bvh_intersect, and to t_max of olx_bvh_occluded.
-  // Packets and distances are not recorded. NULL: nothing is. A copy of the handle with a log of its own records the rays
-  // of one user while others use the original; it is not to be freed.
+  // Packets and distances are not recorded. NULL: nothing is. A copy of the handle with a log of its own records the
+  // rays of one user while others use the original; it is not to be freed.
   olx_ray_log *log;
 };
 

@@ -1,5 +1,5 @@
-// Bricks: a scene's bounds divided into a fixed number of boxes. What a ray finds depends only on geometry in the bricks
-// that it crosses, so that after an edit of geometry elsewhere it finds the same.
+// Bricks: a scene's bounds divided into a fixed number of boxes. What a ray finds depends only on geometry in the
+// bricks that it crosses, so that after an edit of geometry elsewhere it finds the same.
 #ifndef OLX_SCENE_SPACE_BRICKS_H
 #define OLX_SCENE_SPACE_BRICKS_H
 
@@ -21,8 +21,8 @@ typedef struct olx_space_bricks {
 // Divides a box so that bricks are as close to cubes as halving allows.
 olx_space_bricks olx_space_bricks_make(olx_vec3 low, olx_vec3 high);
 
-// Adds the bricks that a ray crosses from its origin to `t_max`, in lengths of `direction`; t_max may be INFINITY. Where
-// rounding decides between two bricks, either is added: bricks overlap by far more (olx_space_bricks_near).
+// Adds the bricks that a ray crosses from its origin to `t_max`, in lengths of `direction`; t_max may be INFINITY.
+// Where rounding decides between two bricks, either is added: bricks overlap by far more (olx_space_bricks_near).
 void olx_space_bricks_cross(const olx_space_bricks *bricks, olx_vec3 origin, olx_vec3 direction, float t_max,
                             olx_brick_set *crossed);
 

@@ -16,8 +16,8 @@ typedef struct olx_work_folder olx_work_folder;
 enum { OLX_UNIT_HEADER_BYTES = 64 }; // size of a unit file's header, before the result
 
 // Everything that a bake depends on, one line each: its name, a space, its value. The line "stages" lists the stages
-// whose units the folder may hold. The line "parts-of-scene" lists the lines that hash parts of the scene; two bakes may
-// share a folder when all other lines are equal, because each unit has a key of the parts that it depends on.
+// whose units the folder may hold. The line "parts-of-scene" lists the lines that hash parts of the scene; two bakes
+// may share a folder when all other lines are equal, because each unit has a key of the parts that it depends on.
 typedef struct olx_manifest {
   char text[4096];
 } olx_manifest;

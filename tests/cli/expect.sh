@@ -67,8 +67,8 @@ await() {
   until grep -q -- "$2" stderr.txt || ! kill -0 "$1" 2>/dev/null; do sleep 0.05; done
 }
 
-# expect_experiment_stops ARGUMENTS...: stops an experiment of octalux-bench once it has begun; it says so, and leaves no
-# files in TMPDIR.
+# expect_experiment_stops ARGUMENTS...: stops an experiment of octalux-bench once it has begun; it says so, and leaves
+# no files in TMPDIR.
 expect_experiment_stops() {
   "$OCTALUX_BENCH" "$@" --progress >stdout.txt 2>stderr.txt &
   local code=0 process=$!

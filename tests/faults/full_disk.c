@@ -2,9 +2,9 @@
 // a full disk or with the error number OCTALUX_DISK_ERROR. With OCTALUX_SHORT_WRITES every write takes only the first
 // half of its bytes. Space cannot be reserved beforehand.
 //
-// OCTALUX_SYNCS counts the calls of fsync that succeed. Then, with OCTALUX_POWER_LOSS, the power goes: the process ends,
-// files lose half of what was written since they were last synced, and renames since their folder was last synced are
-// undone. Without it, each further fsync fails with an error of the device. With OCTALUX_NO_RENAMES renames fail.
+// OCTALUX_SYNCS counts the calls of fsync that succeed. Then, with OCTALUX_POWER_LOSS, the power goes: the process
+// ends, files lose half of what was written since they were last synced, and renames since their folder was last synced
+// are undone. Without it, each further fsync fails with an error of the device. With OCTALUX_NO_RENAMES renames fail.
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>

@@ -1,6 +1,6 @@
-// Starts the page: unpacks three.js, whose modules are one file compressed by gzip since plain servers compress nothing,
-// and gives them the names by which page.js imports them. No module may be loaded before the import map, so this is a
-// plain script.
+// Starts the page: unpacks three.js, whose modules are one file compressed by gzip since plain servers compress
+// nothing, and gives them the names by which page.js imports them. No module may be loaded before the import map, so
+// this is a plain script.
 (async () => {
   const isGzip = (bytes) => bytes[0] === 0x1f && bytes[1] === 0x8b; // some servers unpack what they send
 

@@ -43,8 +43,8 @@ olx_result olx_capture_probe(olx_capture *capture, uint32_t probe, olx_vec3 posi
 // Returns the exact surface that the ray through a texel's centre hits; `capture` is an olx_capture.
 olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_t y);
 
-// Finds the hits of rays through the samples^2 subpixels of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x` on, texel
-// by texel. Returns the number of rays.
+// Finds the hits of rays through the samples^2 subpixels of each of OLX_CAPTURE_CHUNK texels of row `y` from column `x`
+// on, texel by texel. Returns the number of rays.
 uint32_t olx_capture_cast_samples(olx_capture *capture, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
                                   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
 

@@ -1,5 +1,5 @@
-// Captures what light field probes see: the surfaces' material, their direct and indirect irradiance, emission, and the radiance
-// that reaches the probe.
+// Captures what light field probes see: the surfaces' material, their direct and indirect irradiance, emission, and the
+// radiance that reaches the probe.
 #ifndef OLX_BAKE_SURFACE_CAPTURE_H
 #define OLX_BAKE_SURFACE_CAPTURE_H
 

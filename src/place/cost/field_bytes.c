@@ -24,8 +24,8 @@ enum {
   BLOCKS = SIDE / OLX_BLOCK_SIDE, // along a tile
   SALT_TILES = 0x54494C45
 };
-// The bake's indirect light takes this many times the bytes of rough light, because it has shadows and noise; measured in
-// rooms, where it takes between 0.85 and 1.18 times as many.
+// The bake's indirect light takes this many times the bytes of rough light, because it has shadows and noise; measured
+// in rooms, where it takes between 0.85 and 1.18 times as many.
 #define UNEVEN 1.04
 // The irradiance volume takes bytes in proportion to the area of space in faces of its smallest cells, as far as there
 // may be so many; measured in rooms.
@@ -154,8 +154,8 @@ static int by_hash(const void *a, const void *b) {
 }
 
 // Returns the bytes of equal blocks that `count` of the sampled tiles have. A probe stores them once. Where not all of
-// its tiles are sampled, they are taken to be spread over all probes alike: blocks that a share p of the tiles has occur
-// in a probe of n tiles with the probability 1 - (1 - p)^n. Blocks that one tile has are taken to repeat nowhere.
+// its tiles are sampled, they are taken to be spread over all probes alike: blocks that a share p of the tiles has
+// occur in a probe of n tiles with the probability 1 - (1 - p)^n. Blocks that one tile has are taken to repeat nowhere.
 static double bytes_of_equal(const tile_sampling *s, const stored_blocks *blocks, uint32_t count) {
   const double a_probe = (double)tiles_of_map(s), share = (double)count / s->sampled;
   uint32_t probes = 1;

@@ -1,4 +1,5 @@
-// Casts the rays of single tiles of light field maps, with the samples of material and direct light that the bake takes.
+// Casts the rays of single tiles of light field maps, with the samples of material and direct light that the bake
+// takes.
 #include "place/cost/tile_view.h"
 
 #include "core/pack.h"

@@ -44,7 +44,7 @@ obeys() {
 }
 
 if [ "${1:-}" = long ]; then
-  small=(--radiance-size 128 --noise 0.1)
+  small=(--radiance-size 128 --noise 0.3)
   for scene in cornell labyrinth cornell-glossy pillars; do obeys "builtin:$scene" "${small[@]}"; done
   scenes=${OCTALUX_SCENES:-$OCTALUX_SOURCE_DIR/../shared/scenes}
   if [ -d "$scenes/living-room" ]; then
@@ -53,7 +53,7 @@ if [ "${1:-}" = long ]; then
   else
     echo "skipped: the living room, without $scenes"
   fi
-  obeys builtin:cornell --radiance-size 256 --noise 0.02 --relight --probe-light
+  obeys builtin:cornell --radiance-size 256 --noise 0.1 --relight --probe-light
 else
   tiny=(builtin:cornell --grid 2x1x2 --radiance-size 32 --noise 0.1 --threads 2)
   obeys "${tiny[@]}"

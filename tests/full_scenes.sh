@@ -18,8 +18,8 @@ for description in "$OCTALUX_SOURCE_DIR"/scenes/*.json; do
     continue
   fi
   holds 'triangles > 0 and cameras > 0 and all(a < b for a, b in zip(bounds_min, bounds_max))' <"$work/scene.json"
-  "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 3x2x3 --radiance-size 128 --irradiance-size 16 --bounces 1 --noise 0.3 --json 2>/dev/null |
-    holds 'probes == 18 and file_bytes > 18 * 130 * 130 * 4' # radiance of probes alone takes as much
+  "$OCTALUX" bake "$description" -o "$work/field.olx" --grid 3x2x3 --radiance-size 64 --irradiance-size 16 --bounces 1 --noise 0.5 --json 2>/dev/null |
+    holds 'probes == 18 and file_bytes > 18 * 66 * 66 * 4' # radiance of probes alone takes as much
   "$OCTALUX" verify "$work/field.olx" >/dev/null
   "$OCTALUX" render "$description" -o "$work/field.exr" --method field --field "$work/field.olx" --size 96x54 --spp 4 2>/dev/null
   "$OCTALUX" render "$description" -o "$work/path.exr" --method path --size 96x54 --spp 16 --bounces 2 2>/dev/null

@@ -4,10 +4,9 @@
 //   farm-simulation UNITS.jsonl PROBES NODES [MB_A_SECOND] [LOADING_SECONDS] [CLOCK_FACTOR] [PLAN_SECONDS]
 //
 // UNITS.jsonl is what `octalux bake --fresh --keep-work --progress=json` printed. The stages follow each other as
-// there.
-// A stage's further units take what measured units took, chosen at random; light field probes number PROBES, and what
-// is computed for all probes at once grows with them, unless PLAN_SECONDS tells what the plan takes. The light of the
-// scene grows like the probes until its links fill the two gibibytes that they may take. Each node reads and writes
+// there. A stage's further units take what measured units took, chosen at random; light field probes number PROBES, and
+// what is computed for all probes at once grows with them, unless PLAN_SECONDS tells what the plan takes. The light of
+// the scene grows like the probes until its links fill the two gibibytes that they may take. Each node reads and writes
 // MB_A_SECOND (default 500) and loads the scene for LOADING_SECONDS (default 5). CLOCK_FACTOR is for units that were
 // timed on a busy machine: the processor time of that bake as a share of its time by the clock.
 #include "options.h"

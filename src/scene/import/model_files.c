@@ -87,6 +87,7 @@ typedef struct model_reader {
   file_identity *seen; // files read so far, except the model's own
   uint32_t seen_count;
   uint64_t materials; // number of materials that material files define
+  struct open_file *open; // files that Assimp has not closed yet, the latest first
   olx_result result;  // the first error; its message is the last error
 } model_reader;
 
@@ -96,6 +97,7 @@ typedef struct open_file {
   olx_mapped_file mapped;
   const char *data;
   size_t size_bytes, position;
+  struct open_file *next; // in model_reader.open
 } open_file;
 
 static size_t read_some(struct aiFile *file, char *buffer, size_t size, size_t count) {
@@ -172,17 +174,22 @@ static olx_result note_file(model_reader *reader, const char *path, bool *before
 static olx_result check_opened(model_reader *reader, const char *path, open_file *file) {
   if (strcmp(path, reader->path) == 0) return OLX_OK;
   bool before;
+  const uint64_t materials = reader->materials;
   OLX_TRY(note_file(reader, path, &before));
-  if (!before) return check_material_file(reader, path, file);
-  // A file that was read before is replaced by a comment: its materials are known, and Assimp rejects files of a few
+  if (!before) OLX_TRY(check_material_file(reader, path, file));
+  if (reader->materials > materials) return OLX_OK;
+  // A file whose materials are known or that defines none is replaced by a comment: Assimp rejects files of a few
   // bytes.
-  static const char nothing[] = "# its materials have been read before\n";
+  static const char nothing[] = "# no further materials\n";
   file->data = nothing;
   file->size_bytes = sizeof nothing - 1;
   return OLX_OK;
 }
 
-static void close_opened(open_file *file) {
+static void close_opened(model_reader *reader, open_file *file) {
+  open_file **at = &reader->open;
+  while (*at != file) at = &(*at)->next;
+  *at = file->next;
   olx_unmap_file(&file->mapped);
   olx_release(file);
 }
@@ -193,6 +200,8 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
   if (strcmp(path, reader->path) != 0) reader->result = olx_model_file_check(reader->scene, reader->path, path);
   open_file *file = reader->result == OLX_OK ? olx_allocate_zero(1, sizeof *file) : NULL;
   if (!file) return NULL;
+  file->next = reader->open;
+  reader->open = file;
   file->file = (struct aiFile){.ReadProc = read_some,
                                .WriteProc = write_nothing,
                                .TellProc = tell_position,
@@ -206,13 +215,12 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
   if (reader->result == OLX_OK) reader->result = olx_scene_note_source(reader->scene, path);
   if (reader->result == OLX_OK) reader->result = check_opened(reader, path, file);
   if (reader->result == OLX_OK) return &file->file;
-  close_opened(file);
+  close_opened(reader, file);
   return NULL;
 }
 
 static void close_for_assimp(struct aiFileIO *io, struct aiFile *file) {
-  (void)io;
-  close_opened((open_file *)(void *)file->UserData);
+  close_opened((model_reader *)(void *)io->UserData, (open_file *)(void *)file->UserData);
 }
 
 olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source) {
@@ -226,6 +234,7 @@ olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, co
   *source = aiImportFileEx(path, steps, &reader.io);
   if (!*source) snprintf(error, sizeof error, "%.400s", aiGetErrorString());
   pthread_mutex_unlock(&assimp_lock);
+  while (reader.open) close_opened(&reader, reader.open); // Assimp leaves a file open where it refuses it
   olx_release(reader.seen);
   if (reader.result != OLX_OK) {
     if (*source) aiReleaseImport(*source);

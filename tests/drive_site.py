@@ -90,19 +90,18 @@ def check_pictures(page, name):
 
 
 def check_looks(page, path, folder, names):
-    for width, height in ((1280, 800), (1920, 1080)):
-        for scheme in ("light", "dark"):
-            page.resize(width, height)
-            page.prefer(scheme)
-            page.open(path)
-            light = page.value("getComputedStyle(document.documentElement).backgroundColor.match(/\\d+/g).map(Number)[0] > 127")
-            check(light == (scheme == "light"), f"{scheme} where that is preferred")
-            check(page.value("document.documentElement.scrollWidth <= innerWidth"), f"wider than {width} pixels")
-            check(page.value("document.getElementById('contents').getBoundingClientRect().right <= document.getElementById('sections').getBoundingClientRect().left"),
-                  "contents beside the sections")
-            for name in names if folder else []:
-                show(page, name)
-                page.screenshot(os.path.join(folder, f"site-{width}-{scheme}-{name}.png"), full=False)
+    for width, height, scheme in ((1280, 800, "light"), (1920, 1080, "dark")):
+        page.resize(width, height)
+        page.prefer(scheme)
+        page.open(path)
+        light = page.value("getComputedStyle(document.documentElement).backgroundColor.match(/\\d+/g).map(Number)[0] > 127")
+        check(light == (scheme == "light"), f"{scheme} where that is preferred")
+        check(page.value("document.documentElement.scrollWidth <= innerWidth"), f"wider than {width} pixels")
+        check(page.value("document.getElementById('contents').getBoundingClientRect().right <= document.getElementById('sections').getBoundingClientRect().left"),
+              "contents beside the sections")
+        for name in names if folder else []:
+            show(page, name)
+            page.screenshot(os.path.join(folder, f"site-{width}-{scheme}-{name}.png"), full=False)
     page.resize(700, 900)
     page.settle()
     check(page.value("document.documentElement.scrollWidth <= innerWidth"), "wider than a small window")

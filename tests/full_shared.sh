@@ -10,7 +10,7 @@ for folder in $(pkg-config --variable pc_path pkg-config | tr : ' '); do
   find "$folder" -maxdepth 1 -name '*.pc' ! -name 'cmocka.pc' -exec ln -sf -t "$work/pkgconfig" {} + 2>/dev/null || true
 done
 export PKG_CONFIG_LIBDIR=$work/pkgconfig
-cmake -S "$OCTALUX_SOURCE_DIR" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DBUILD_SHARED_LIBS=ON >"$work/configure.txt"
+cmake -S "$OCTALUX_SOURCE_DIR" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG=-O0 -DBUILD_SHARED_LIBS=ON >"$work/configure.txt"
 grep "Without the tests" "$work/configure.txt"
 cmake --build "$work/build"
 for library in octalux octalux-bake; do

@@ -16,10 +16,10 @@ stopped() {
   python3 "$stop" "$work" "$1" "$2" "$OCTALUX" "${@:3}"
 }
 
-for seconds in 0.1 0.4 0.7 1; do
+for seconds in 0.1 0.7; do
   stopped INT "$seconds" scene "$scene" --cook a.olxs
 done
-for seconds in 0.5 2 4 8; do
+for seconds in 0.5 3; do
   stopped TERM "$seconds" bake "$scene" -o f.olx --no-work --grid 8x2x4 --radiance-size 512 --threads 2
   for method in grid sdf medial cover; do
     stopped INT "$seconds" place "$scene" -o p.json --method $method --grid 16x16x16 --threads 2 \

@@ -32,7 +32,7 @@ typedef struct olx_bricks {
   const uint32_t *lists;           // of a list: OLX_BRICK_LIST_WORDS, two probes a word, low half first
 } olx_bricks;
 
-// Returns the bytes to which structures that find probes are compared: those of light field maps of size^2 texels.
+// Returns the bytes of light field maps of size^2 texels, which the sizes of selectors are compared with.
 static inline uint64_t olx_light_field_map_bytes(uint64_t probes, uint64_t size) {
   enum { TEXEL_BYTES = 8 }; // radiance, normal, distance
   return probes * (size + 2) * (size + 2) * TEXEL_BYTES;

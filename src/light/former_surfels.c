@@ -95,7 +95,7 @@ static bool casts_same(const surfel_numbers *a, const surfel_numbers *b) {
          memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
-// Returns whether two surfels also see the same nearby.
+// Returns whether two surfels cast the same rays and see the same surfaces close to them.
 static bool is_same(const surfel_pair *p, uint32_t before, uint32_t now) {
   const surfel_numbers a = p->before[before], b = numbers_of(&p->now->surfels[now]);
   return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest;

@@ -13,7 +13,8 @@ step "build: gcc, release" configure_and_build release &&
 step "build: clang, release" configure_and_build release-clang &&
   tests release-clang "tests: clang, release" -L check -LE "once|long|script"
 step "build: address and undefined sanitizers" configure_and_build asan &&
-  tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE once
+  tests asan "tests: address and undefined sanitizers" -L 'check|full_sanitized' -LE 'once|script' &&
+  tests asan "scripts: address and undefined sanitizers" -L full_sanitized -L script
 step "build: thread sanitizer" configure_and_build tsan threads-tests &&
   tests tsan "tests: thread sanitizer" -L threads
 guided_fuzzing "coverage-guided fuzzing" guided_full

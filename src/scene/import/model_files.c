@@ -19,7 +19,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MOST_PATH = 4096 };
+enum {
+  MOST_PATH = 4096,
+  LEAST_TEXT = 8 // bytes below which Assimp refuses a file of text
+};
 
 // Finds the folder that contains `path`, with links resolved; false when it cannot be found.
 static bool folder_of(const char *path, char folder[static MOST_PATH]) {
@@ -87,7 +90,6 @@ typedef struct model_reader {
   file_identity *seen; // files read so far, except the model's own
   uint32_t seen_count;
   uint64_t materials; // number of materials that material files define
-  struct open_file *open; // files that Assimp has not closed yet, the latest first
   olx_result result;  // the first error; its message is the last error
 } model_reader;
 
@@ -97,7 +99,6 @@ typedef struct open_file {
   olx_mapped_file mapped;
   const char *data;
   size_t size_bytes, position;
-  struct open_file *next; // in model_reader.open
 } open_file;
 
 static size_t read_some(struct aiFile *file, char *buffer, size_t size, size_t count) {
@@ -177,19 +178,15 @@ static olx_result check_opened(model_reader *reader, const char *path, open_file
   const uint64_t materials = reader->materials;
   OLX_TRY(note_file(reader, path, &before));
   if (!before) OLX_TRY(check_material_file(reader, path, file));
-  if (reader->materials > materials) return OLX_OK;
-  // A file whose materials are known or that defines none is replaced by a comment: Assimp rejects files of a few
-  // bytes.
+  if (reader->materials > materials && file->size_bytes >= LEAST_TEXT) return OLX_OK;
+  // A file whose materials are known, or that is too short to name one, is replaced by a comment.
   static const char nothing[] = "# no further materials\n";
   file->data = nothing;
   file->size_bytes = sizeof nothing - 1;
   return OLX_OK;
 }
 
-static void close_opened(model_reader *reader, open_file *file) {
-  open_file **at = &reader->open;
-  while (*at != file) at = &(*at)->next;
-  *at = file->next;
+static void close_opened(open_file *file) {
   olx_unmap_file(&file->mapped);
   olx_release(file);
 }
@@ -200,8 +197,6 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
   if (strcmp(path, reader->path) != 0) reader->result = olx_model_file_check(reader->scene, reader->path, path);
   open_file *file = reader->result == OLX_OK ? olx_allocate_zero(1, sizeof *file) : NULL;
   if (!file) return NULL;
-  file->next = reader->open;
-  reader->open = file;
   file->file = (struct aiFile){.ReadProc = read_some,
                                .WriteProc = write_nothing,
                                .TellProc = tell_position,
@@ -215,12 +210,13 @@ static struct aiFile *open_for_assimp(struct aiFileIO *io, const char *path, con
   if (reader->result == OLX_OK) reader->result = olx_scene_note_source(reader->scene, path);
   if (reader->result == OLX_OK) reader->result = check_opened(reader, path, file);
   if (reader->result == OLX_OK) return &file->file;
-  close_opened(reader, file);
+  close_opened(file);
   return NULL;
 }
 
 static void close_for_assimp(struct aiFileIO *io, struct aiFile *file) {
-  close_opened((model_reader *)(void *)io->UserData, (open_file *)(void *)file->UserData);
+  (void)io;
+  close_opened((open_file *)(void *)file->UserData);
 }
 
 olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, const struct aiScene **source) {
@@ -234,7 +230,6 @@ olx_result olx_model_read(const char *path, unsigned steps, olx_scene *scene, co
   *source = aiImportFileEx(path, steps, &reader.io);
   if (!*source) snprintf(error, sizeof error, "%.400s", aiGetErrorString());
   pthread_mutex_unlock(&assimp_lock);
-  while (reader.open) close_opened(&reader, reader.open); // Assimp leaves a file open where it refuses it
   olx_release(reader.seen);
   if (reader.result != OLX_OK) {
     if (*source) aiReleaseImport(*source);

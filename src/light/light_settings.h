@@ -16,6 +16,7 @@ typedef struct olx_scene_light_settings {
   float spacing;     // spacing of surfels, as a share of the geometric mean distance to what they see; default 0.2
   uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than these texels, or than
                      // those of 64^2 maps
+  uint64_t most_links; // most links in memory; beyond it, rays leave none (final_gather.h); default 2^27
   uint32_t seed;     // seed of random numbers
   uint32_t threads;  // 0: one per processor
   olx_task *task;    // may be NULL

@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "light/light_noise.h"
 #include "light/light_steps.h"
 #include "light/light_units.h"
 
@@ -24,10 +25,12 @@ static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
-uint64_t olx_scene_light_most_link_bytes(void) { return OLX_LIGHT_MOST_LINKS * sizeof(olx_link); }
+uint64_t olx_scene_light_most_link_bytes(void) {
+  return olx_scene_light_settings_default().most_links * sizeof(olx_link);
+}
 
 olx_scene_light_settings olx_scene_light_settings_default(void) {
-  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512};
+  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512, .most_links = 1u << 27};
 }
 
 static olx_result build(olx_scene_light *l) {

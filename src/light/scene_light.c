@@ -13,6 +13,7 @@ enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
   FEW_NEIGHBOURS = 8,   // fewer surfels determine a slope badly
+  MOST_BATCHES = 8,
   SALT_GATHER = 0x47415448
 };
 
@@ -22,6 +23,11 @@ static const float ROUGH_SPREAD = 0.3f;
 // cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed,
 // too.
 static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
+// A point's own rays are as many as bring the standard error that is expected of them to this multiple of the bound on
+// noise, but for at most MOST_BATCHES times OLX_GATHER_RAYS.
+static const float GATHER_NOISE = 4.0f;
+// Squared error of light interpolated between neighbours that differ, over their variance.
+static const float SPREAD_ERROR = 2.0f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
@@ -98,32 +104,42 @@ olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
   return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
 }
 
-olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
+// Casts rays of the point's own.
+static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface, uint32_t batches, olx_gather_row *row) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
   const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces,
-                                  MOST_OF_A_RAY * OLX_GATHER_RAYS * around};
-  return olx_links_gather(&l->surfels, surface, pool, seed, &light, row);
+                                  MOST_OF_A_RAY * (float)(batches * OLX_GATHER_RAYS) * around};
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < batches; i++) {
+    sum = olx_add(sum, olx_links_gather(&l->surfels, surface, pool, i ? olx_hash2(seed, i) : seed, &light, row));
+  }
+  return olx_scale(sum, 1.0f / (float)batches);
 }
 
-// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
-static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+// Returns the standard error that is expected of OLX_GATHER_RAYS rays of a point's own, as a share of the light around
+// it.
+static float expected_error(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, deviation = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
     const float weight = fabsf(weights->weight[i]);
     sum += weight;
     deviation += weight * olx_scene_light_deviation(l, weights->surfel[i]);
   }
-  const float error = deviation / (sum * sqrtf(OLX_GATHER_RAYS));
-  return olx_clamp(FEW_NOISE * error, FEW_SPREAD, ROUGH_SPREAD);
+  return deviation / (sum * sqrtf(OLX_GATHER_RAYS));
 }
 
-// Returns whether light varies too much between the neighbours to be interpolated.
-static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
+// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
+static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+  return olx_clamp(FEW_NOISE * expected_error(l, weights), FEW_SPREAD, ROUGH_SPREAD);
+}
+
+// Returns the variance of the neighbours' light, as a share of its squared mean.
+static float relative_variance(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
     const float weight = fabsf(weights->weight[i]), light = olx_luminance(l->irradiance[weights->surfel[i]]);
@@ -132,7 +148,12 @@ static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights
     square += weight * light * light;
   }
   mean /= sum;
-  return square / sum - mean * mean > olx_square(most_spread(l, weights) * mean);
+  return mean > 0.0f ? square / (sum * mean * mean) - 1.0f : 0.0f;
+}
+
+// Returns whether light varies too much between the neighbours to be interpolated.
+static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  return relative_variance(l, weights) > olx_square(most_spread(l, weights));
 }
 
 // Interpolates `light`, one value per neighbour in their order.
@@ -153,13 +174,36 @@ static olx_vec3 before(const olx_scene_light *l, uint32_t surfel) {
   return olx_max_each(olx_sub(l->passed_on[surfel], l->direct[surfel]), olx_splat(0.0f));
 }
 
+// Returns the light of a point by its neighbours.
+static olx_vec3 interpolated(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  olx_vec3 light[OLX_NEIGHBOURS_MOST];
+  for (uint32_t i = 0; i < weights->count; i++) light[i] = l->irradiance[weights->surfel[i]];
+  return interpolate(weights, light);
+}
+
 bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
   if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return false;
-  olx_vec3 light[OLX_NEIGHBOURS_MOST];
-  for (uint32_t i = 0; i < weights.count; i++) light[i] = l->irradiance[weights.surfel[i]];
-  *irradiance = interpolate(&weights, light);
+  *irradiance = interpolated(l, &weights);
   return true;
+}
+
+// Returns the number of batches of rays that bring the expected error of a gather to its bound.
+static uint32_t batches_wanted(const olx_scene_light *l, float error) {
+  const float bound = GATHER_NOISE * l->settings.noise;
+  uint32_t batches = 1;
+  while (batches < MOST_BATCHES && error > bound * sqrtf((float)batches)) batches *= 2;
+  return batches;
+}
+
+olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
+  if (weights.count < LEAST_NEIGHBOURS) return gather(l, surface, 1, row);
+  const float error = expected_error(l, &weights);
+  const uint32_t batches = batches_wanted(l, error);
+  const olx_vec3 own = gather(l, surface, batches, row);
+  const float variance = error * error / (float)batches, spread = SPREAD_ERROR * relative_variance(l, &weights);
+  return spread > 0.0f ? olx_mix3(interpolated(l, &weights), own, spread / (spread + variance)) : own;
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {

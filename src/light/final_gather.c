@@ -14,9 +14,10 @@ static olx_result begin(olx_scene_light *l) {
   float *variance = olx_allocate(count, sizeof *variance);
   l->gathered = olx_allocate(l->visible, sizeof *l->gathered);
   l->final_rays = olx_allocate(l->visible, sizeof *l->final_rays);
-  olx_result result = variance && l->gathered && l->final_rays
-                          ? olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, variance)
-                          : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  olx_result result =
+      variance && l->gathered && l->final_rays
+          ? olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, variance)
+          : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
   for (uint32_t i = 0; result == OLX_OK && i < l->visible; i++) {
     const float worth = l->links.worth[i];
     l->gathered[i] = (olx_ray_sum){olx_scale(l->irradiance[i], worth), variance[i] * worth * worth, worth};
@@ -25,11 +26,23 @@ static olx_result begin(olx_scene_light *l) {
   return result;
 }
 
+// Returns the most rays per surfel with which a round keeps to its bound.
+static uint32_t most_rays(const olx_scene_light *l) {
+  uint32_t most = OLX_LIGHT_MOST_RAYS;
+  for (; most > l->first_rays; most /= 2) {
+    uint64_t rays = 0;
+    for (uint32_t i = 0; i < l->visible; i++) rays += olx_light_rays_wanted(l, i, most);
+    if (rays <= l->settings.most_final_rays) break;
+  }
+  return most;
+}
+
 olx_result olx_final_gather_plan(olx_scene_light *l, uint32_t round, bool *any) {
   l->gathering = round;
   if (!l->gathered) OLX_TRY(begin(l));
+  const uint32_t most = most_rays(l);
   for (uint32_t i = 0; i < l->visible; i++) {
-    l->final_rays[i] = olx_light_rays_wanted(l, i, OLX_LIGHT_MOST_RAYS);
+    l->final_rays[i] = olx_light_rays_wanted(l, i, most);
     *any |= l->final_rays[i] > 0;
   }
   return OLX_OK;

@@ -13,7 +13,7 @@ enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
   FEW_NEIGHBOURS = 8,   // fewer surfels determine a slope badly
-  MOST_BATCHES = 8,
+  MOST_BATCHES = 4,
   SALT_GATHER = 0x47415448
 };
 
@@ -36,7 +36,12 @@ uint64_t olx_scene_light_most_link_bytes(void) {
 }
 
 olx_scene_light_settings olx_scene_light_settings_default(void) {
-  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512, .most_links = 1u << 27};
+  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE,
+                                    .noise = 0.02f,
+                                    .spacing = 0.2f,
+                                    .map_size = 512,
+                                    .most_links = 1u << 27,
+                                    .most_final_rays = 1u << 28};
 }
 
 static olx_result build(olx_scene_light *l) {

@@ -26,8 +26,6 @@ static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // A point's own rays are as many as bring the standard error that is expected of them to this multiple of the bound on
 // noise, but for at most MOST_BATCHES times OLX_GATHER_RAYS.
 static const float GATHER_NOISE = 4.0f;
-// Squared error of light interpolated between neighbours that differ, over their variance.
-static const float SPREAD_ERROR = 2.0f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
@@ -143,8 +141,8 @@ static float most_spread(const olx_scene_light *l, const olx_surfel_weights *wei
   return olx_clamp(FEW_NOISE * expected_error(l, weights), FEW_SPREAD, ROUGH_SPREAD);
 }
 
-// Returns the variance of the neighbours' light, as a share of its squared mean.
-static float relative_variance(const olx_scene_light *l, const olx_surfel_weights *weights) {
+// Returns whether light varies too much between the neighbours to be interpolated.
+static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
     const float weight = fabsf(weights->weight[i]), light = olx_luminance(l->irradiance[weights->surfel[i]]);
@@ -153,12 +151,7 @@ static float relative_variance(const olx_scene_light *l, const olx_surfel_weight
     square += weight * light * light;
   }
   mean /= sum;
-  return mean > 0.0f ? square / (sum * mean * mean) - 1.0f : 0.0f;
-}
-
-// Returns whether light varies too much between the neighbours to be interpolated.
-static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  return relative_variance(l, weights) > olx_square(most_spread(l, weights));
+  return square / sum - mean * mean > olx_square(most_spread(l, weights) * mean);
 }
 
 // Interpolates `light`, one value per neighbour in their order.
@@ -179,17 +172,12 @@ static olx_vec3 before(const olx_scene_light *l, uint32_t surfel) {
   return olx_max_each(olx_sub(l->passed_on[surfel], l->direct[surfel]), olx_splat(0.0f));
 }
 
-// Returns the light of a point by its neighbours.
-static olx_vec3 interpolated(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  olx_vec3 light[OLX_NEIGHBOURS_MOST];
-  for (uint32_t i = 0; i < weights->count; i++) light[i] = l->irradiance[weights->surfel[i]];
-  return interpolate(weights, light);
-}
-
 bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
   if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return false;
-  *irradiance = interpolated(l, &weights);
+  olx_vec3 light[OLX_NEIGHBOURS_MOST];
+  for (uint32_t i = 0; i < weights.count; i++) light[i] = l->irradiance[weights.surfel[i]];
+  *irradiance = interpolate(&weights, light);
   return true;
 }
 
@@ -203,12 +191,7 @@ static uint32_t batches_wanted(const olx_scene_light *l, float error) {
 
 olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
-  if (weights.count < LEAST_NEIGHBOURS) return gather(l, surface, 1, row);
-  const float error = expected_error(l, &weights);
-  const uint32_t batches = batches_wanted(l, error);
-  const olx_vec3 own = gather(l, surface, batches, row);
-  const float variance = error * error / (float)batches, spread = SPREAD_ERROR * relative_variance(l, &weights);
-  return spread > 0.0f ? olx_mix3(interpolated(l, &weights), own, spread / (spread + variance)) : own;
+  return gather(l, surface, weights.count > 0 ? batches_wanted(l, expected_error(l, &weights)) : 1, row);
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {

@@ -135,10 +135,19 @@ static float expected_error(const olx_scene_light *l, const olx_surfel_weights *
   return deviation / (sum * sqrtf(OLX_GATHER_RAYS));
 }
 
+// Returns the number of batches of rays that bring the expected error of a gather to its bound.
+static uint32_t batches_wanted(const olx_scene_light *l, float error) {
+  const float bound = GATHER_NOISE * l->settings.noise;
+  uint32_t batches = 1;
+  while (batches < MOST_BATCHES && error > bound * sqrtf((float)batches)) batches *= 2;
+  return batches;
+}
+
 // Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
 static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
   if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
-  return olx_clamp(FEW_NOISE * expected_error(l, weights), FEW_SPREAD, ROUGH_SPREAD);
+  const float error = expected_error(l, weights), rays = (float)batches_wanted(l, error);
+  return olx_clamp(FEW_NOISE * error / sqrtf(rays), FEW_SPREAD, ROUGH_SPREAD);
 }
 
 // Returns whether light varies too much between the neighbours to be interpolated.
@@ -179,14 +188,6 @@ bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *su
   for (uint32_t i = 0; i < weights.count; i++) light[i] = l->irradiance[weights.surfel[i]];
   *irradiance = interpolate(&weights, light);
   return true;
-}
-
-// Returns the number of batches of rays that bring the expected error of a gather to its bound.
-static uint32_t batches_wanted(const olx_scene_light *l, float error) {
-  const float bound = GATHER_NOISE * l->settings.noise;
-  uint32_t batches = 1;
-  while (batches < MOST_BATCHES && error > bound * sqrtf((float)batches)) batches *= 2;
-  return batches;
 }
 
 olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {

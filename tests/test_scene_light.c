@@ -163,7 +163,28 @@ static void threads_and_runs_do_not_matter(void **state) {
   free(s);
 }
 
-// Two solutions with different random numbers differ by the root of two times their noise, which is bounded.
+// Returns the noise of a solution by the difference to one with other random numbers, which is the root of two times
+// their noise.
+static double noise_by_two_seeds(const setting *s, const olx_scene_light_settings *settings,
+                                 olx_scene_light_report *report) {
+  olx_scene_light *light[2];
+  for (uint32_t k = 0; k < 2; k++) {
+    olx_scene_light_settings seeded = *settings;
+    seeded.seed = k;
+    light[k] = solve(s, &seeded);
+  }
+  double difference = 0.0, squares = 0.0;
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 a = olx_scene_light_irradiance(light[0], &s->points[i]);
+    difference += squared(olx_sub(a, olx_scene_light_irradiance(light[1], &s->points[i])));
+    squares += squared(a);
+  }
+  *report = olx_scene_light_describe(light[0]);
+  olx_scene_light_free(light[0]);
+  olx_scene_light_free(light[1]);
+  return sqrt(0.5 * difference / squares);
+}
+
 static void noise_stays_below_its_bound_and_costs_rays(void **state) {
   (void)state;
   setting *s = malloc(sizeof *s);
@@ -172,23 +193,39 @@ static void noise_stays_below_its_bound_and_costs_rays(void **state) {
   uint64_t links[2];
   for (uint32_t n = 0; n < 2; n++) {
     settings.noise = n == 0 ? 0.08f : 0.02f;
-    olx_scene_light *light[2];
-    for (uint32_t k = 0; k < 2; k++) {
-      settings.seed = k;
-      light[k] = solve(s, &settings);
-    }
-    double difference = 0.0, squares = 0.0;
-    for (uint32_t i = 0; i < POINTS; i++) {
-      const olx_vec3 a = olx_scene_light_irradiance(light[0], &s->points[i]);
-      difference += squared(olx_sub(a, olx_scene_light_irradiance(light[1], &s->points[i])));
-      squares += squared(a);
-    }
-    assert_true(sqrt(0.5 * difference / squares) < 1.2 * (double)settings.noise);
-    links[n] = olx_scene_light_describe(light[0]).links;
-    olx_scene_light_free(light[0]);
-    olx_scene_light_free(light[1]);
+    olx_scene_light_report report;
+    assert_true(noise_by_two_seeds(s, &settings, &report) < 1.2 * (double)settings.noise);
+    links[n] = report.links;
   }
   assert_true(links[1] > 2 * links[0]);
+  olx_scene_free(s->scene);
+  free(s);
+}
+
+// With room for few links, noise is met by rays that leave none, without bias.
+static void noise_stays_below_its_bound_with_room_for_few_links(void **state) {
+  (void)state;
+  setting *s = malloc(sizeof *s);
+  load(s, "builtin:cornell");
+  olx_scene_light_settings settings = small_settings();
+  settings.bounces = 4;
+  settings.most_links = 1 << 17;
+  olx_scene_light_report report;
+  assert_true(noise_by_two_seeds(s, &settings, &report) < 1.2 * (double)settings.noise);
+  assert_true(report.links <= settings.most_links && report.noise <= (double)settings.noise);
+  olx_scene_light *light = solve(s, &settings);
+  double bias;
+  const double error = relative_error(s, light, POINTS, 4, &bias);
+  if (error > 0.004 || fabs(bias) > 0.02) fail_msg("relative MSE %g, bias %g", error, bias);
+  settings.threads = 1;
+  olx_scene_light *with_one = solve(s, &settings);
+  for (uint32_t i = 0; i < POINTS; i++) {
+    const olx_vec3 a = olx_scene_light_irradiance(light, &s->points[i]);
+    const olx_vec3 b = olx_scene_light_irradiance(with_one, &s->points[i]);
+    assert_memory_equal(&a, &b, sizeof a);
+  }
+  olx_scene_light_free(with_one);
+  olx_scene_light_free(light);
   olx_scene_free(s->scene);
   free(s);
 }
@@ -423,6 +460,7 @@ int main(void) {
       cmocka_unit_test(sealed_rooms_get_no_light_of_each_other),
       cmocka_unit_test(threads_and_runs_do_not_matter),
       cmocka_unit_test(noise_stays_below_its_bound_and_costs_rays),
+      cmocka_unit_test(noise_stays_below_its_bound_with_room_for_few_links),
       cmocka_unit_test(the_bound_is_met_beside_surfaces_that_no_probe_sees),
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
       cmocka_unit_test(the_light_of_a_fixture_is_all_there),

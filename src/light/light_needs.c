@@ -26,7 +26,8 @@ static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_
 static uint64_t step_bytes(const olx_scene_light *l) {
   const uint64_t surfel = sizeof(olx_light_surfel) + sizeof(olx_fixed_light) + 2 * sizeof(float) +
                           3 * sizeof(olx_vec3) + sizeof *l->guide.pool_of +
-                          OLX_LIGHT_REFINEMENTS * sizeof(uint32_t); // the last are surfels of refining batches
+                          OLX_LIGHT_REFINEMENTS * sizeof(uint32_t) +  // surfels of refining batches
+                          2 * sizeof(olx_ray_sum) + sizeof(uint32_t); // final rays
   return l->surfels.count * surfel + l->guide.pool_count * sizeof *l->guide.pools + table_bytes(&l->surfels.table) +
          patch_bytes(l);
 }
@@ -46,7 +47,8 @@ static uint64_t work_bytes(const olx_scene_light *l) {
 // Returns the bytes of all first links, and of as many more as refining may add.
 static uint64_t link_bytes(const olx_scene_light *l) {
   const uint64_t more = (uint64_t)l->visible * OLX_LIGHT_REFINEMENTS * OLX_LIGHT_MOST_RAYS;
-  const uint64_t links = l->report.links + more < OLX_LIGHT_MOST_LINKS ? l->report.links + more : OLX_LIGHT_MOST_LINKS;
+  const uint64_t links =
+      l->report.links + more < l->settings.most_links ? l->report.links + more : l->settings.most_links;
   return (links > l->report.links ? links : l->report.links) * sizeof(olx_link) + l->report.links * sizeof(float);
 }
 

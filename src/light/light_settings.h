@@ -16,13 +16,15 @@ typedef struct olx_scene_light_settings {
   float spacing;     // spacing of surfels, as a share of the geometric mean distance to what they see; default 0.2
   uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than these texels, or than
                      // those of 64^2 maps
-  uint32_t seed;     // seed of random numbers
-  uint32_t threads;  // 0: one per processor
-  olx_task *task;    // may be NULL
-  bool keep_rays;    // store what rays depend on, and reuse those of another scene that hold; needs a store
-  olx_scene_inputs inputs; // hashes of what rays depend on, with keep_rays
-  olx_unit_store *store;   // store of the bake that the light belongs to; NULL: nothing is stored
-  const char *link_folder; // where links are kept in files, to save memory; NULL: in memory
+  uint64_t most_links;      // most links in memory; beyond it, rays leave none (final_gather.h); default 2^27
+  uint64_t most_final_rays; // most rays of one of the two rounds that leave no links, which bounds time; default 2^28
+  uint32_t seed;            // seed of random numbers
+  uint32_t threads;         // 0: one per processor
+  olx_task *task;           // may be NULL
+  bool keep_rays;           // store what rays depend on, and reuse those of another scene that hold; needs a store
+  olx_scene_inputs inputs;  // hashes of what rays depend on, with keep_rays
+  olx_unit_store *store;    // store of the bake that the light belongs to; NULL: nothing is stored
+  const char *link_folder;  // where links are kept in files, to save memory; NULL: in memory
 } olx_scene_light_settings;
 
 // Statistics of a solution.

@@ -5,8 +5,10 @@
 #include "core/hooks.h"
 #include "core/octahedral.h"
 #include "core/result.h"
+#include "light/final_gather.h"
 #include "light/learn_rays.h"
 #include "light/light_checkpoint.h"
+#include "light/light_noise.h"
 #include "light/link_batch.h"
 #include "light/surfel_lookup.h"
 #include "scene/bvh.h"
@@ -25,13 +27,6 @@ enum {
   SURFELS_PER_JOB = 16,
   SALT_DIRECT = 0x44495245
 };
-
-// A batch of further rays is cast only when it has at least this share of the first rays.
-static const float ENOUGH_RAYS = 0.25f;
-// Interpolation averages the noise of several surfels: the variance of the result is about this share of one surfel's.
-static const float INTERPOLATED_VARIANCE = 0.2f;
-// Noise is measured relative to the light of a place, or to this share of the mean light where the place is darker.
-static const float DARK_SHARE = 0.02f;
 
 // The surfaces that probes see, one ray for each 2 x 2 texels.
 typedef struct view_job {
@@ -269,91 +264,24 @@ static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   return OLX_OK;
 }
 
-static float mean_luminance(const olx_vec3 *light, uint32_t count) {
-  double sum = 0.0;
-  for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
-  return count ? (float)(sum / count) : 0.0f;
-}
-
-// Sums of light and variance over the surfels of a pool.
-typedef struct noise_sum {
-  double light, variance;
-  uint32_t count;
-} noise_sum;
-
-// Averages the variance with surfels of the same size nearby, which see about the same: the few first rays of a surfel
-// may all miss a small bright source and then seem to agree. (Hidden surfels never get more than their first rays.)
-static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
-  const uint32_t count = l->surfels.count;
-  noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
-  if (!sums) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
-  for (uint32_t i = 0; i < l->visible; i++) {
-    noise_sum *sum = &sums[l->guide.pool_of[i]];
-    sum->light += (double)olx_luminance(l->irradiance[i]);
-    sum->variance += (double)variance[i];
-    sum->count++;
-  }
-  for (uint32_t i = 0; i < l->visible; i++) {
-    const noise_sum *sum = &sums[l->guide.pool_of[i]];
-    light[i] = (float)(sum->light / sum->count);
-    variance[i] = (float)(sum->variance / sum->count);
-  }
-  olx_release(sums);
-  return OLX_OK;
-}
-
-// Estimates the standard error of interpolated light around each surfel, relative to the light there.
-static olx_result measure_noise(olx_scene_light *l, float *noise) {
-  const uint32_t count = l->surfels.count;
-  float *light = olx_allocate(count, sizeof *light);
-  if (!light) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
-  olx_result result = olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, noise);
-  if (result == OLX_OK) result = smooth_noise(l, noise, light);
-  const float dark = DARK_SHARE * mean_luminance(l->irradiance, count);
-  double squares = 0.0;
-  for (uint32_t i = 0; result == OLX_OK && i < l->visible; i++) {
-    const float level = olx_max(light[i], dark);
-    noise[i] = level > 0.0f ? sqrtf(INTERPOLATED_VARIANCE * noise[i]) / level : 0.0f;
-    squares += (double)noise[i] * (double)noise[i];
-  }
-  l->report.noise = sqrt(squares / fmax(1.0, l->visible));
-  olx_release(light);
-  return result;
-}
-
-float olx_scene_light_deviation(const olx_scene_light *l, uint32_t surfel) {
-  return l->noise[surfel] * sqrtf(l->links.worth[surfel] / INTERPOLATED_VARIANCE);
-}
-
-// Returns the number of guided rays that reduce a surfel's noise to the bound: 0, or first_rays times a power of two.
-static uint32_t rays_wanted(const olx_scene_light *l, uint32_t surfel, float noise, uint32_t most) {
-  const float ratio = noise / l->settings.noise;
-  const float wanted = olx_light_pool(l, surfel)->spread * l->links.worth[surfel] * (ratio * ratio - 1.0f);
-  if (wanted < ENOUGH_RAYS * (float)l->first_rays) return 0;
-  uint32_t rays = l->first_rays;
-  while (rays < most && (float)rays < wanted) rays *= 2;
-  return rays;
-}
-
 // Returns the most rays per surfel for which there is memory; 0 when there is none.
-static uint32_t most_rays(const olx_scene_light *l, const float *noise) {
+static uint32_t most_rays(const olx_scene_light *l) {
   for (uint32_t most = OLX_LIGHT_MOST_RAYS; most >= l->first_rays; most /= 2) {
     uint64_t links = l->report.links;
-    for (uint32_t i = 0; i < l->visible; i++) links += rays_wanted(l, i, noise[i], most);
-    if (links <= OLX_LIGHT_MOST_LINKS) return most;
+    for (uint32_t i = 0; i < l->visible; i++) links += olx_light_rays_wanted(l, i, most);
+    if (links <= l->settings.most_links) return most;
   }
   return 0;
 }
 
 // Adds one batch for each number of rays that surfels need. Each round takes another part of the sequence of rays.
 static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
-  const float *noise = l->noise;
-  const uint32_t most = most_rays(l, noise);
+  const uint32_t most = most_rays(l);
   for (uint32_t rays = l->first_rays; rays <= most; rays *= 2) {
     uint32_t *numbers = olx_allocate(l->surfels.count, sizeof *numbers), count = 0;
     if (!numbers) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
     for (uint32_t i = 0; i < l->visible; i++) {
-      if (rays_wanted(l, i, noise[i], most) == rays) numbers[count++] = i;
+      if (olx_light_rays_wanted(l, i, most) == rays) numbers[count++] = i;
     }
     if (count == 0) {
       olx_release(numbers);
@@ -374,16 +302,25 @@ static olx_result learn(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_link_batch_release_fixed(&l->batches[k]);
   }
-  return measure_noise(l, l->noise);
+  return olx_light_noise_measure(l);
+}
+
+// Plans a round of rays that leave no links, or finishes where noise is below the bound.
+static olx_result gather(olx_scene_light *l, uint32_t gathering) {
+  bool any = false;
+  if (gathering < OLX_LIGHT_GATHERINGS && l->report.noise > (double)l->settings.noise) {
+    OLX_TRY(olx_final_gather_plan(l, gathering, &any));
+  }
+  l->phase = any ? OLX_LIGHT_GATHERING : OLX_LIGHT_FINISHED;
+  return OLX_OK;
 }
 
 static olx_result finish(olx_scene_light *l) {
   if (l->settings.bounces > FEW_BOUNCES) {
     OLX_TRY(solve(l, l->settings.bounces));
-    OLX_TRY(measure_noise(l, l->noise));
+    OLX_TRY(olx_light_noise_measure(l));
   }
-  l->phase = OLX_LIGHT_FINISHED;
-  return OLX_OK;
+  return gather(l, 0);
 }
 
 // Adds rays until the measured noise is below the bound: the required number cannot be predicted well from few rays.
@@ -415,15 +352,22 @@ static olx_result settle_direct(olx_scene_light *l) {
 
 static olx_result settle_refining(olx_scene_light *l) {
   OLX_TRY(solve(l, FEW_BOUNCES));
-  OLX_TRY(measure_noise(l, l->noise));
+  OLX_TRY(olx_light_noise_measure(l));
   l->round++;
   return refine(l, l->round - OLX_LIGHT_HIDDEN_ROUNDS - 1);
+}
+
+static olx_result settle_gathering(olx_scene_light *l) {
+  olx_final_gather_settle(l);
+  OLX_TRY(olx_light_noise_measure(l));
+  return gather(l, l->gathering + 1);
 }
 
 olx_result olx_scene_light_settle(olx_scene_light *l) {
   const olx_scene_light_phase phase = l->phase;
   if (phase == OLX_LIGHT_EXPLORING) return settle_exploring(l);
-  return phase == OLX_LIGHT_DIRECT ? settle_direct(l) : settle_refining(l);
+  if (phase == OLX_LIGHT_DIRECT) return settle_direct(l);
+  return phase == OLX_LIGHT_REFINING ? settle_refining(l) : settle_gathering(l);
 }
 
 olx_result olx_scene_light_begin(olx_scene_light *l) {
@@ -431,7 +375,7 @@ olx_result olx_scene_light_begin(olx_scene_light *l) {
   l->surfels.task = l->settings.task;
   OLX_TRY(find_surfaces(l, l->positions, l->flags, l->probe_count));
   l->first_rays = FIRST_RAYS;
-  while (l->first_rays > LEAST_RAYS && (uint64_t)l->first_rays * l->surfels.count > OLX_LIGHT_MOST_LINKS / 2)
+  while (l->first_rays > LEAST_RAYS && (uint64_t)l->first_rays * l->surfels.count > l->settings.most_links / 2)
     l->first_rays /= 2;
   if (l->surfels.count > 0) return begin_first_rays(l, 0);
   OLX_TRY(grow_links(l, 0));
@@ -456,6 +400,7 @@ void olx_scene_light_clear(olx_scene_light *l) {
   olx_release(l->irradiance);
   olx_release(l->passed_on);
   olx_release(l->noise);
+  olx_final_gather_free(l);
   olx_ray_guide_free(&l->guide);
   olx_surfel_lookup_free(&l->lookup);
   olx_light_surfels_free(&l->surfels);

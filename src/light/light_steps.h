@@ -9,9 +9,6 @@
 olx_result olx_scene_light_begin(olx_scene_light *light);
 olx_result olx_scene_light_direct(olx_scene_light *light, uint32_t first, uint32_t count, uint64_t *rays);
 olx_result olx_scene_light_settle(olx_scene_light *light);
-// Returns the standard deviation of the light that one ray of a visible surfel brings, drawn evenly, relative to all
-// light there.
-float olx_scene_light_deviation(const olx_scene_light *light, uint32_t surfel);
 // Releases the solution's data.
 void olx_scene_light_clear(olx_scene_light *light);
 

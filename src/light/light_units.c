@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "light/final_gather.h"
 #include "light/kept_rays.h"
 #include "light/light_steps.h"
 #include "light/link_batch.h"
@@ -349,6 +350,66 @@ static olx_result make_direct(olx_scene_light *l) {
   return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
 }
 
+// ---- Final rays
+
+typedef struct final_stage {
+  olx_scene_light *light;
+  uint64_t rays; // rays that the last unit cast
+} final_stage;
+
+static olx_result gather_unit(void *user, uint32_t unit) {
+  final_stage *f = user;
+  olx_scene_light *l = f->light;
+  f->rays = 0;
+  OLX_TRY(olx_final_gather_make_room(l));
+  OLX_TRY(olx_final_gather_cast(l, olx_final_gather_first(l, unit), olx_final_gather_first(l, unit + 1), &f->rays));
+  if (!olx_unit_store_is_part(l->settings.store)) l->report.rays += f->rays;
+  return OLX_OK;
+}
+
+static void save_final(void *user, uint32_t unit, olx_byte_writer *to) {
+  const final_stage *f = user;
+  const uint32_t first = olx_final_gather_first(f->light, unit), end = olx_final_gather_first(f->light, unit + 1);
+  olx_bytes_put(to, &f->rays, 1, sizeof f->rays);
+  olx_bytes_put(to, f->light->found + first, end - first, sizeof *f->light->found);
+}
+
+static olx_result load_final(void *user, uint32_t unit, olx_byte_reader *from) {
+  const final_stage *f = user;
+  olx_scene_light *l = f->light;
+  const uint32_t first = olx_final_gather_first(l, unit), end = olx_final_gather_first(l, unit + 1);
+  uint64_t rays = 0;
+  OLX_TRY(olx_final_gather_make_room(l));
+  olx_bytes_copy(from, &rays, 1, sizeof rays);
+  olx_bytes_copy(from, l->found + first, end - first, sizeof *l->found);
+  l->report.rays += rays;
+  return OLX_OK;
+}
+
+static olx_unit_stage final_of(final_stage *f) {
+  const olx_scene_light *l = f->light;
+  const uint32_t units = l->phase == OLX_LIGHT_GATHERING ? olx_final_gather_units(l) : 0;
+  return (olx_unit_stage){"final", l->gathering, units, f, gather_unit, save_final, load_final, OLX_PARTS_ALL};
+}
+
+static olx_result make_final(olx_scene_light *l) {
+  final_stage f = {.light = l};
+  const olx_unit_stage stage = final_of(&f);
+  if (!l->settings.store) {
+    OLX_TRY(olx_final_gather_make_room(l));
+    return olx_final_gather_cast(l, 0, l->visible, &l->report.rays);
+  }
+  const olx_result result = olx_units_make(l->settings.store, &stage);
+  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
+}
+
+// Returns the units whose results the next step adds up.
+static olx_result load_final_units(olx_scene_light *l) {
+  final_stage f = {.light = l};
+  const olx_unit_stage stage = final_of(&f);
+  return olx_unit_store_is_part(l->settings.store) ? olx_units_load(l->settings.store, &stage) : OLX_OK;
+}
+
 // ---- The state after a step, except links
 
 static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
@@ -460,6 +521,8 @@ static void save_lit(const olx_scene_light *l, olx_byte_writer *to) {
   save_array(l->irradiance, count, sizeof *l->irradiance, to);
   save_array(l->passed_on, count, sizeof *l->passed_on, to);
   save_array(l->noise, count, sizeof *l->noise, to);
+  save_array(l->gathered, l->visible, sizeof *l->gathered, to);
+  save_array(l->final_rays, l->visible, sizeof *l->final_rays, to);
   save_array(l->guide.pool_of, count, sizeof *l->guide.pool_of, to);
   olx_bytes_put(to, &l->guide.pool_count, 1, sizeof l->guide.pool_count);
   save_array(l->guide.pools, l->guide.pool_count, sizeof *l->guide.pools, to);
@@ -472,6 +535,8 @@ static void load_lit(olx_scene_light *l, olx_byte_reader *from) {
   l->irradiance = load_array(from, sizeof *l->irradiance);
   l->passed_on = load_array(from, sizeof *l->passed_on);
   l->noise = load_array(from, sizeof *l->noise);
+  l->gathered = load_array(from, sizeof *l->gathered);
+  l->final_rays = load_array(from, sizeof *l->final_rays);
   l->guide.pool_of = load_array(from, sizeof *l->guide.pool_of);
   olx_bytes_copy(from, &l->guide.pool_count, 1, sizeof l->guide.pool_count);
   l->guide.pools = load_array(from, sizeof *l->guide.pools);
@@ -480,8 +545,8 @@ static void load_lit(olx_scene_light *l, olx_byte_reader *from) {
 static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_scene_light *l = user;
-  const uint32_t numbers[] = {l->phase, l->round, l->visible, l->served, l->first_rays};
-  olx_bytes_put(to, numbers, 5, sizeof *numbers);
+  const uint32_t numbers[] = {l->phase, l->round, l->visible, l->served, l->first_rays, l->gathering};
+  olx_bytes_put(to, numbers, 6, sizeof *numbers);
   olx_bytes_put(to, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
   olx_bytes_put(to, &l->report, 1, sizeof l->report);
   save_surfels(&l->surfels, to);
@@ -494,17 +559,18 @@ static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
 static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
   olx_scene_light *l = user;
-  uint32_t numbers[5] = {0};
+  uint32_t numbers[6] = {0};
   olx_scene_light_clear(l);
   OLX_TRY(olx_light_surfels_create(&l->surfels, l->scene, l->settings.spacing, l->settings.seed, l->settings.threads));
   l->surfels.task = l->settings.task;
-  olx_bytes_copy(from, numbers, 5, sizeof *numbers);
+  olx_bytes_copy(from, numbers, 6, sizeof *numbers);
   olx_bytes_copy(from, l->point_ends, OLX_LIGHT_HIDDEN_ROUNDS + 1, sizeof *l->point_ends);
   l->phase = (olx_scene_light_phase)numbers[0];
   l->round = numbers[1];
   l->visible = numbers[2];
   l->served = numbers[3];
   l->first_rays = numbers[4];
+  l->gathering = numbers[5];
   olx_bytes_copy(from, &l->report, 1, sizeof l->report);
   load_surfels(&l->surfels, from);
   load_batches(l, from);
@@ -600,14 +666,15 @@ static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
   return result;
 }
 
-// Loads the links that the next step needs: shading and settling need those of every round, exploring only those of the
-// last.
+// Loads what the next step needs: shading and settling need the links of every round, exploring only those of the last,
+// and final rays none.
 static olx_result load_for_settling(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   direct_stage d = {.light = l};
   const olx_unit_stage direct = direct_of(&d);
   if (l->phase == OLX_LIGHT_EXPLORING) OLX_TRY(need_points(l));
   if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);
+  if (l->phase == OLX_LIGHT_GATHERING) return load_final_units(l);
   for (uint32_t round = 0; round < l->round; round++) OLX_TRY(load_round(l, round, true));
   if (l->phase == OLX_LIGHT_REFINING) return load_round(l, l->round, false);
   return olx_unit_store_is_part(store) ? olx_units_load(store, &direct) : OLX_OK;
@@ -667,13 +734,19 @@ static olx_result resume(olx_scene_light *l, uint32_t *step) {
   return olx_unit_once(store, &first);
 }
 
+// Casts the rays that the next step needs.
+static olx_result cast_for_step(olx_scene_light *l) {
+  if (l->phase == OLX_LIGHT_DIRECT) return make_direct(l);
+  return l->phase == OLX_LIGHT_GATHERING ? make_final(l) : cast_round(l);
+}
+
 static olx_result run_steps(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   uint32_t step;
   OLX_TRY(resume(l, &step));
   while (l->phase != OLX_LIGHT_FINISHED) {
     const olx_unit_stage next = step_of(l, ++step);
-    if (!olx_units_have(store, &next)) OLX_TRY(l->phase == OLX_LIGHT_DIRECT ? make_direct(l) : cast_round(l));
+    if (!olx_units_have(store, &next)) OLX_TRY(cast_for_step(l));
     OLX_TRY(olx_unit_once(store, &next));
   }
   return OLX_OK;

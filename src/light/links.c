@@ -531,6 +531,31 @@ olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surfac
   return gathered(&end, light);
 }
 
+olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
+                             uint32_t first, uint32_t count, const olx_passed_light *light, uint64_t *rays) {
+  cast_job c = {.surfels = surfels};
+  const olx_link_batch batch = {.guide = guide};
+  const ray_plan plan = plan_of(surfels, &batch, surfel);
+  const olx_surface surface = olx_surface_point_surface(surfels->scene, &surfels->surfels[surfel].point);
+  olx_ray_sum sum = {.worth = plan.factor * (float)count};
+  double mean = 0.0, square = 0.0;
+  for (uint32_t done = 0; done < count; done += OLX_LINK_PACKET) {
+    const uint32_t packet = count - done < OLX_LINK_PACKET ? count - done : OLX_LINK_PACKET;
+    ray_end ends[OLX_LINK_PACKET] = {0};
+    cast_packet(&c, &surface, &plan, first + done, packet, ends);
+    for (uint32_t i = 0; i < packet; i++) {
+      const olx_vec3 brought = gathered(&ends[i], light);
+      const double luminance = (double)olx_luminance(brought);
+      sum.light = olx_add(sum.light, brought);
+      mean += luminance / count;
+      square += luminance * luminance;
+      *rays += ends[i].cast;
+    }
+  }
+  sum.squares = (float)fmax(0.0, square - count * mean * mean);
+  return sum;
+}
+
 static void cast_some(void *user, uint32_t job) {
   cast_job c = *(const cast_job *)user;
   watched_surfels watched;

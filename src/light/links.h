@@ -37,6 +37,13 @@ void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, siz
 // Returns the point of the unit square from which a surfel's unguided ray was generated.
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);
 
+// What rays of a surfel bring.
+typedef struct olx_ray_sum {
+  olx_vec3 light; // sum over rays of irradiance times the ray's worth, W/m^2
+  float squares;  // sum of the squared deviations of that luminance from its mean
+  float worth;    // sum over rays, in rays of even density
+} olx_ray_sum;
+
 // The light that surfels pass on: direct irradiance, and with it indirect irradiance of all bounces but the last of
 // `bounces`.
 typedef struct olx_passed_light {
@@ -52,6 +59,11 @@ olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *s
 // Returns what the first of these rays alone finds, as an estimate of the same irradiance.
 olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
                               uint32_t seed, const olx_passed_light *light);
+
+// Adds up what `count` rays of a surfel bring, drawn by the guide, from index `first` on; they leave no links. *rays
+// counts all rays.
+olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
+                             uint32_t first, uint32_t count, const olx_passed_light *light, uint64_t *rays);
 
 // Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {

@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "light/light_noise.h"
 #include "light/light_steps.h"
 #include "light/light_units.h"
 
@@ -12,6 +13,7 @@ enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
   FEW_NEIGHBOURS = 8,   // fewer surfels determine a slope badly
+  MOST_BATCHES = 4,
   SALT_GATHER = 0x47415448
 };
 
@@ -21,13 +23,23 @@ static const float ROUGH_SPREAD = 0.3f;
 // cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed,
 // too.
 static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
+// A point's own rays are as many as bring the standard error that is expected of them to this multiple of the bound on
+// noise, but for at most MOST_BATCHES times OLX_GATHER_RAYS.
+static const float GATHER_NOISE = 4.0f;
 // Bound on the light of one gathered ray, as a share of the light around the point.
 static const float MOST_OF_A_RAY = 0.25f;
 
-uint64_t olx_scene_light_most_link_bytes(void) { return OLX_LIGHT_MOST_LINKS * sizeof(olx_link); }
+uint64_t olx_scene_light_most_link_bytes(void) {
+  return olx_scene_light_settings_default().most_links * sizeof(olx_link);
+}
 
 olx_scene_light_settings olx_scene_light_settings_default(void) {
-  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE, .noise = 0.02f, .spacing = 0.2f, .map_size = 512};
+  return (olx_scene_light_settings){.bounces = OLX_BOUNCES_INFINITE,
+                                    .noise = 0.02f,
+                                    .spacing = 0.2f,
+                                    .map_size = 512,
+                                    .most_links = 1u << 27,
+                                    .most_final_rays = 1u << 28};
 }
 
 static olx_result build(olx_scene_light *l) {
@@ -95,28 +107,47 @@ olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
   return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
 }
 
-olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
+// Casts rays of the point's own.
+static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface, uint32_t batches, olx_gather_row *row) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
   const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces,
-                                  MOST_OF_A_RAY * OLX_GATHER_RAYS * around};
-  return olx_links_gather(&l->surfels, surface, pool, seed, &light, row);
+                                  MOST_OF_A_RAY * (float)(batches * OLX_GATHER_RAYS) * around};
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < batches; i++) {
+    sum = olx_add(sum, olx_links_gather(&l->surfels, surface, pool, i ? olx_hash2(seed, i) : seed, &light, row));
+  }
+  return olx_scale(sum, 1.0f / (float)batches);
 }
 
-// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
-static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+// Returns the standard error that is expected of OLX_GATHER_RAYS rays of a point's own, as a share of the light around
+// it.
+static float expected_error(const olx_scene_light *l, const olx_surfel_weights *weights) {
   float sum = 0.0f, deviation = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
     const float weight = fabsf(weights->weight[i]);
     sum += weight;
     deviation += weight * olx_scene_light_deviation(l, weights->surfel[i]);
   }
-  const float error = deviation / (sum * sqrtf(OLX_GATHER_RAYS));
-  return olx_clamp(FEW_NOISE * error, FEW_SPREAD, ROUGH_SPREAD);
+  return deviation / (sum * sqrtf(OLX_GATHER_RAYS));
+}
+
+// Returns the number of batches of rays that bring the expected error of a gather to its bound.
+static uint32_t batches_wanted(const olx_scene_light *l, float error) {
+  const float bound = GATHER_NOISE * l->settings.noise;
+  uint32_t batches = 1;
+  while (batches < MOST_BATCHES && error > bound * sqrtf((float)batches)) batches *= 2;
+  return batches;
+}
+
+// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
+static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+  const float error = expected_error(l, weights), rays = (float)batches_wanted(l, error);
+  return olx_clamp(FEW_NOISE * error / sqrtf(rays), FEW_SPREAD, ROUGH_SPREAD);
 }
 
 // Returns whether light varies too much between the neighbours to be interpolated.
@@ -157,6 +188,11 @@ bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *su
   for (uint32_t i = 0; i < weights.count; i++) light[i] = l->irradiance[weights.surfel[i]];
   *irradiance = interpolate(&weights, light);
   return true;
+}
+
+olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->lookup, surface);
+  return gather(l, surface, weights.count > 0 ? batches_wanted(l, expected_error(l, &weights)) : 1, row);
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {

@@ -10,7 +10,7 @@
 #include "light/light_settings.h"
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
-// Returns the most memory that links take, in bytes; beyond it, surfels get fewer rays.
+// Returns the most memory that links take by default, in bytes; beyond it, rays leave no links.
 uint64_t olx_scene_light_most_link_bytes(void);
 
 // Solves the light of surfaces that are visible from the `count` positions with flags[i] == 0. Returns

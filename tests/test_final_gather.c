@@ -1,0 +1,146 @@
+// Tests that rays without links can be stored and resumed: a work folder, and parts of a bake, give the light of a
+// solution without a folder.
+#include "core/hooks.h"
+#include "light/scene_light.h"
+#include "scene/scene_build.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { PROBES = 2, MOST_RUNS = 100, MOST_FINAL_UNITS = 64 };
+
+typedef struct place {
+  char folder[64];
+  olx_scene *scene;
+  olx_vec3 probes[PROBES];
+  uint8_t flags[PROBES];
+  olx_scene_light_settings settings;
+} place;
+
+static int set_up(void **state) {
+  place *p = calloc(1, sizeof *p);
+  snprintf(p->folder, sizeof p->folder, "/tmp/octalux-final-XXXXXX");
+  if (!mkdtemp(p->folder) || olx_scene_load("builtin:cornell", &p->scene) != OLX_OK) return -1;
+  const olx_vec3 middle = olx_scale(olx_add(p->scene->bounds_min, p->scene->bounds_max), 0.5f);
+  p->probes[0] = olx_v3(middle.x, 0.8f * p->scene->bounds_max.y, middle.z);
+  p->probes[1] = olx_v3(0.8f * p->scene->bounds_max.x, middle.y, middle.z);
+  p->settings = olx_scene_light_settings_default();
+  p->settings.map_size = 64;
+  p->settings.noise = 0.006f;
+  p->settings.most_links = 1 << 16;
+  *state = p;
+  return 0;
+}
+
+static int tear_down(void **state) {
+  place *p = *state;
+  olx_scene_free(p->scene);
+  rmdir(p->folder);
+  free(p);
+  return 0;
+}
+
+typedef struct units_done {
+  uint32_t final_made, final_loaded;
+} units_done;
+
+static void count_final(void *user, const olx_unit_done *unit) {
+  units_done *done = user;
+  if (strcmp(unit->name.stage, "final") != 0) return;
+  if (unit->found) done->final_loaded++;
+  else done->final_made++;
+}
+
+static olx_unit_store *open_store(const place *p, uint32_t part, uint32_t parts, units_done *done) {
+  olx_manifest manifest = {""};
+  olx_manifest_add(&manifest, "stages", "manifest light points cast surfels direct bounce final lookup");
+  const olx_unit_store_settings settings = {
+      .folder = p->folder, .manifest = &manifest, .part = part, .parts = parts, .done = count_final, .user = done};
+  olx_unit_store *store;
+  assert_int_equal(olx_unit_store_open(&settings, &store), OLX_OK);
+  return store;
+}
+
+static olx_result solve(const place *p, olx_unit_store *store, olx_scene_light **light) {
+  olx_scene_light_settings settings = p->settings;
+  settings.store = store;
+  return olx_scene_light_create(p->scene, &settings, p->probes, p->flags, PROBES, light);
+}
+
+static void assert_same_light(const olx_scene_light *a, const olx_scene_light *b) {
+  const olx_scene_light_parts one = olx_scene_light_open(a), other = olx_scene_light_open(b);
+  assert_int_equal(one.surfels->count, other.surfels->count);
+  assert_memory_equal(one.irradiance, other.irradiance, one.surfels->count * sizeof *one.irradiance);
+  assert_int_equal(olx_scene_light_describe(a).rays, olx_scene_light_describe(b).rays);
+}
+
+// Removes what was stored from the last round of final rays on: half of its units, and the step after it.
+static void damage(const place *p) {
+  char path[128];
+  for (uint32_t step = 20, left = 1; step > 0 && left > 0; step--) {
+    snprintf(path, sizeof path, "%s/light-%u-0.unit", p->folder, step);
+    left -= unlink(path) == 0;
+  }
+  snprintf(path, sizeof path, "%s/lookup-0-0.unit", p->folder);
+  assert_int_equal(unlink(path), 0);
+  snprintf(path, sizeof path, "%s/final-0-1.unit", p->folder);
+  assert_int_equal(unlink(path), 0);
+}
+
+static void a_work_folder_resumes_between_final_rays(void **state) {
+  place *p = *state;
+  olx_scene_light *fresh, *light;
+  assert_int_equal(solve(p, NULL, &fresh), OLX_OK);
+  units_done first = {0}, second = {0};
+  olx_unit_store *store = open_store(p, 0, 0, &first);
+  assert_int_equal(solve(p, store, &light), OLX_OK);
+  assert_same_light(fresh, light);
+  olx_scene_light_free(light);
+  olx_unit_store_close(store, false);
+  assert_true(first.final_made > 2);
+  damage(p);
+  store = open_store(p, 0, 0, &second);
+  assert_int_equal(solve(p, store, &light), OLX_OK);
+  assert_same_light(fresh, light);
+  assert_int_equal(second.final_made, 1);
+  assert_int_equal(second.final_loaded, first.final_made - 1);
+  olx_scene_light_free(light);
+  olx_scene_light_free(fresh);
+  olx_unit_store_close(store, true);
+}
+
+static void parts_share_final_rays(void **state) {
+  place *p = *state;
+  enum { PARTS = 2 };
+  olx_scene_light *fresh, *light = NULL;
+  assert_int_equal(solve(p, NULL, &fresh), OLX_OK);
+  units_done done[PARTS] = {{0}};
+  for (uint32_t run = 0, finished = 0; finished < PARTS; run++) {
+    assert_true(run < MOST_RUNS);
+    olx_unit_store *store = open_store(p, run % PARTS + 1, PARTS, &done[run % PARTS]);
+    const olx_result result = solve(p, store, &light);
+    finished = result == OLX_OK ? finished + 1 : 0;
+    if (result == OLX_OK) assert_same_light(fresh, light);
+    else assert_int_equal(result, OLX_ERROR_INCOMPLETE);
+    if (result == OLX_OK) olx_scene_light_free(light);
+    olx_unit_store_close(store, false);
+  }
+  assert_true(done[0].final_made > 0 && done[1].final_made > 0);
+  olx_scene_light_free(fresh);
+  units_done none = {0};
+  olx_unit_store_close(open_store(p, 0, 0, &none), true);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test_setup_teardown(a_work_folder_resumes_between_final_rays, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(parts_share_final_rays, set_up, tear_down),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -124,7 +124,7 @@ static void quantised_vertices_are_those_of_floats(void **state) {
       &m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
       "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
       ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
-  assert_int_equal(scene->warning_count, 1); // a warning about the albedo of the default material
+  assert_int_equal(scene->warning_count, 2); // about the default material: its albedo, and that it is a metal
   for (uint32_t v = 0; v < 4; ++v) {
     const float *p = square_positions + 3 * v, *uv = square_uvs + 2 * v;
     assert_near_vector(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);

@@ -309,6 +309,25 @@ static void glossiness_textures_are_converted_texel_by_texel(void **state) {
   olx_scene_free(scene);
 }
 
+static void surfaces_without_a_material_are_reported(void **state) {
+  const char *plain = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}";
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load_model(write_square_model(&m, *state, plain, "[{\"mesh\": 0}]", ""));
+  assert_near_number(look_at_square(scene, 0.5f, 0.25f).metallic, 1.0f, 0.0f);
+  assert_model_warned(scene, "surfaces without a material are white metal");
+  olx_scene_free(scene);
+  scene = load_model(scene_folder_write_text(*state, "made.json",
+                                             "{\"model\": \"made.gltf\", \"materials\": {\"*\": {\"metallic\": 0}}}"));
+  assert_near_number(look_at_square(scene, 0.5f, 0.25f).metallic, 0.0f, 0.0f);
+  olx_scene_free(scene);
+  m = (gltf_maker){0};
+  add_square(&m);
+  scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
+  assert_not_warned(scene, "without a material");
+  olx_scene_free(scene);
+}
+
 static void extensions_that_are_ignored_are_named(void **state) {
   gltf_maker m = {0};
   add_square(&m);
@@ -365,6 +384,7 @@ int main(void) {
       WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),
       WITH_FOLDER(glossiness_and_the_reflectances_of_factors_are_kept),
       WITH_FOLDER(glossiness_textures_are_converted_texel_by_texel),
+      WITH_FOLDER(surfaces_without_a_material_are_reported),
       WITH_FOLDER(extensions_that_are_ignored_are_named),
       WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
   };

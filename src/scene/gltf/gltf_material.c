@@ -273,6 +273,12 @@ olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces)
   if (result == OLX_OK) result = olx_import_load_textures(&import, first);
   if (result == OLX_OK) result = merge_textures(gltf, &merging, surfaces);
   if (result == OLX_OK) olx_import_warn_about_materials(&import);
+  if (result == OLX_OK && surfaces[gltf->materials.count].used) {
+    olx_scene_warn(gltf->scene,
+                   "%s: surfaces without a material are white metal, as glTF has it: \"metallic\": 0 for \"*\" in a "
+                   "description makes them matte",
+                   gltf->path);
+  }
   olx_texture_table_free(&import.textures);
   olx_texture_table_free(&merging.textures);
   return result;

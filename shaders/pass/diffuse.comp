@@ -12,7 +12,6 @@ void gather(ivec2 pixel, frame_surface surface) {
   for (uint j = 0u; j < count; j++) {
     vec2 random = olx_stratified2(frame.sample_index * count + j, seed);
     vec3 direction = olx_from_basis(olx_sample_cosine(random), surface.normal);
-    if (leads_inside(pixel, surface, direction)) continue;
     olx_trace_hit hit = olx_trace(settings, surface.position, direction, OLX_INFINITY);
     sum += olx_light_found(settings, hit, surface.position);
     nearness += olx_nearness(hit);

@@ -1,6 +1,7 @@
 // octalux render: renders images of a scene by path tracing or from a field, on the CPU or with indirect light from a
 // Vulkan device.
 #include "commands.h"
+#include "exposure.h"
 #include "files.h"
 #include "options.h"
 #include "probe_markers.h"
@@ -192,7 +193,9 @@ static int save_picture(const render_options *o, const olx_field *field, const o
   if (o->show_probes) draw_probe_markers(field, camera, image);
   const float exposure = o->exposure > 0.0f ? o->exposure : 1.0f;
   const olx_result result = olx_image_save_layer_png(image, OLX_LAYER_BEAUTY, exposure, o->png);
-  return result == OLX_OK ? EXIT_DONE : library_failure("render");
+  if (result != OLX_OK) return library_failure("render");
+  warn_about_exposure(o->png, image, exposure);
+  return EXIT_DONE;
 }
 
 static olx_vec3 between(olx_vec3 a, olx_vec3 b, float t) {

@@ -44,6 +44,11 @@ static int print_scene_json(const olx_scene *scene, uint64_t cooked_bytes) {
   return print_json("scene", object);
 }
 
+static bool has_light(const olx_scene *scene) {
+  const olx_vec3 sky = olx_scene_get_content(scene).environment->radiance;
+  return olx_scene_describe(scene).lights > 0 || sky.x > 0.0f || sky.y > 0.0f || sky.z > 0.0f;
+}
+
 static void print_scene(const char *name, const olx_scene *scene) {
   const olx_scene_info info = olx_scene_describe(scene);
   const olx_vec3 low = info.bounds_min, high = info.bounds_max;
@@ -64,6 +69,10 @@ static void print_scene(const char *name, const olx_scene *scene) {
            digits, o[1] + (double)camera.eye.y, digits, o[2] + (double)camera.eye.z, (double)camera.fov_y_degrees);
   }
   for (uint32_t i = 0; i < info.warnings; ++i) printf("  warning    %s\n", olx_scene_warning(scene, i));
+  if (!has_light(scene)) {
+    printf(
+        "  warning    there is no light, so every picture is black: add lights or an environment in a description\n");
+  }
 }
 
 typedef struct cooking {

@@ -39,6 +39,15 @@ expect 0 render $scene -o probes.png --field a.olx --size 64x48 --spp 1 --show-p
 expect 0 render $scene -o plain.exr --png plain.png --field a.olx --size 64x48 --spp 1 --exposure 2
 expect 0 render $scene -o alone.png --field a.olx --size 64x48 --spp 1 --exposure 2
 cmp plain.png alone.png || fail "--png writes another picture than -o"
+# A picture that is all white or all black is reported, with an exposure at which it is not.
+for case in "1000 white" "0.00001 black"; do
+  read -r exposure color <<<"$case"
+  "$OCTALUX" render $scene -o alone.png --field a.olx --size 64x48 --spp 1 --exposure "$exposure" 2>stderr.txt >stdout.txt
+  shows=$(sed -n "s/^warning: alone.png: most of the picture is $color: --exposure \\([0-9.e-]*\\) shows it$/\\1/p" stderr.txt)
+  [ -n "$shows" ] || fail "exposure $exposure is not reported: $(cat stderr.txt)"
+  "$OCTALUX" render $scene -o alone.png --field a.olx --size 64x48 --spp 1 --exposure "$shows" 2>stderr.txt >stdout.txt
+  if grep -q "most of the picture" stderr.txt; then fail "exposure $shows, as recommended: $(cat stderr.txt)"; fi
+done
 cmp -s probes.png plain.png && fail "--show-probes shows nothing"
 expect 0 render $scene -o path2.exr --method path --size 64x48 --spp 16 --bounces 2 --threads 1
 cmp path.exr path2.exr || fail "a path-traced image depends on the number of threads"

@@ -46,6 +46,15 @@ printf 'newmtl square\nKd 1 0 0\n' >outside.mtl
 printf 'mtllib ../../outside.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl square\nf 1 2 4 3\n' >scenes/models/square.obj
 expect_failure "outside.mtl, which lies outside" scene scenes/models/square.obj
 "$OCTALUX" scene scenes/models/square.obj --allow-outside >/dev/null 2>stderr.txt || fail "--allow-outside: $(cat stderr.txt)"
+
+# A scene without light is reported before it is baked; one with a lamp, or with a sky alone, is not.
+"$OCTALUX" scene scenes/models/square.obj --allow-outside --quiet >stdout.txt || fail "a square without light"
+grep -q "warning    there is no light" stdout.txt || fail "scene says nothing of missing light: $(cat stdout.txt)"
+printf '{"model": "scenes/models/square.obj", "environment": {"radiance": [0, 0, 1]}}' >sky.json
+for lit in builtin:cornell sky.json; do
+  "$OCTALUX" scene $lit --allow-outside --quiet >stdout.txt || fail "scene $lit"
+  if grep -q "no light" stdout.txt; then fail "scene $lit misses a light: $(cat stdout.txt)"; fi
+done
 expect_failure "line 7: 4 corners in a polygon, more than the limit of 3" scene scenes/models/square.obj --import-limits polygon_corners=3
 for command in bake render place; do
   case $command in bake) output=a.olx ;; render) output=a.exr ;; place) output=a.json ;; esac

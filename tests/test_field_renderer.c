@@ -5,6 +5,7 @@
 #include "field/texels.h"
 #include "light/path.h"
 #include "render/camera.h"
+#include "scene/bvh.h"
 #include "tiny_scenes.h"
 
 static const analytic_scene room = {.room = {{-1, -1, -1}, {1, 1, 1}}};
@@ -123,6 +124,47 @@ static void test_glossy_light_is_directional_albedo_times_radiance(void **state)
       olx_scene_free(scene);
     }
   }
+}
+
+// A floor whose normals lean by `lean` radians away from the camera, below a ceiling of the same metal.
+static olx_scene *leaning_floor(const olx_material *metal, float lean) {
+  const olx_vec3 corners[4] = {{-1, -1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, -1, -1}};
+  const olx_vec3 normal = {-sinf(lean), cosf(lean), 0}, normals[4] = {normal, normal, normal, normal};
+  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  olx_scene *scene = tiny_scene();
+  uint32_t material = 0;
+  tiny_quad(scene, metal, olx_v3(0, 1, 0), olx_v3(2, 0, 0), olx_v3(0, 0, 2));
+  ASSERT_OK(olx_scene_add_material(scene, metal, &material));
+  ASSERT_OK(olx_scene_add_mesh(scene, "floor", corners, normals, NULL, 4, indices, 2, material));
+  return tiny_finish(scene);
+}
+
+// Directions of the lobe around an interpolated normal that lead into the surface bring no light, as in path tracing.
+static void test_nothing_is_reflected_from_below_the_surface(void **state) {
+  (void)state;
+  const olx_material metal = tiny_metal(0.7f, 0.5f);
+  olx_scene *scene = leaning_floor(&metal, 0.6f);
+  olx_field *field = uniform_field(scene->hash);
+  olx_render_settings settings = field_settings(8, 16);
+  settings.glossy_samples = 8;
+  const olx_camera camera = narrow_camera();
+  olx_image image = tiny_render(scene, field, &camera, &settings);
+  const olx_ray ray = {camera.eye, olx_normalize(olx_sub(camera.target, camera.eye)), 0.0f, INFINITY};
+  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  const olx_surface surface = olx_surface_at(scene, &hit, ray.direction);
+  const olx_shading shading = olx_shading_make(&surface, ray.direction);
+  enum { DRAWS = 65536 };
+  double reflected = 0, below = 0;
+  for (uint32_t i = 0; i < DRAWS; i++) {
+    const olx_lobe_ray lobe = olx_lobe_ray_specular(&shading, olx_stratified2(i, 1));
+    reflected += (double)lobe.weight.x / DRAWS;
+    below += (double)(lobe.direction.y <= 0.0f) / DRAWS;
+  }
+  assert_true(below > 0.2);
+  assert_close(tiny_mean(&image, OLX_LAYER_INDIRECT_GLOSSY), reflected * field_shaded(), 1e-2, "glossy");
+  olx_image_free(&image);
+  analytic_field_free(field);
+  olx_scene_free(scene);
 }
 
 static void test_surfaces_without_a_specular_lobe_trace_nothing(void **state) {
@@ -528,6 +570,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_diffuse_light_is_reflectance_times_irradiance),
       cmocka_unit_test(test_glossy_light_is_directional_albedo_times_radiance),
+      cmocka_unit_test(test_nothing_is_reflected_from_below_the_surface),
       cmocka_unit_test(test_surfaces_without_a_specular_lobe_trace_nothing),
       cmocka_unit_test(test_mirror_floor_shows_the_room_in_place),
       cmocka_unit_test(test_direct_light_is_the_path_tracers),

@@ -124,7 +124,7 @@ static void quantised_vertices_are_those_of_floats(void **state) {
       &m, *state, "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}",
       "[{\"mesh\": 0, \"scale\": [0.002, 0.002, 0.002], \"translation\": [1, 0, 0]}]",
       ", \"extensionsRequired\": [\"KHR_mesh_quantization\"]"));
-  assert_int_equal(scene->warning_count, 1); // a warning about the albedo of the default material
+  assert_int_equal(scene->warning_count, 2); // about the default material: its albedo, and that it is a metal
   for (uint32_t v = 0; v < 4; ++v) {
     const float *p = square_positions + 3 * v, *uv = square_uvs + 2 * v;
     assert_near_vector(scene->positions[v], 1.0f + 2.0f * p[0], 2.0f * p[1], 0, 1e-6f);
@@ -393,8 +393,12 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
 }
 
 static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
-  static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_mesh_gpu_instancing",
-                                      "ABC_unheard_of"};
+  static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_texture_webp",
+                                      "EXT_mesh_gpu_instancing", "ABC_unheard_of"};
+  static const char *const remedies[] = {"KHR_draco_mesh_compression, which is not supported: export the model again "
+                                         "without compression",
+                                         "export the model again with textures in PNG or JPEG",
+                                         "export the model again with textures in PNG or JPEG", "EXT", "ABC"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
     gltf_maker m = {0};
     char more[128];
@@ -402,6 +406,7 @@ static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
     snprintf(more, sizeof more, ", \"materials\": [{}], \"extensionsRequired\": [\"%s\"]", names[i]);
     assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more),
                          OLX_ERROR_UNSUPPORTED, names[i]);
+    assert_non_null(strstr(olx_last_error(), remedies[i]));
   }
 }
 

@@ -241,6 +241,93 @@ static void specular_textures_that_cannot_be_read_leave_the_factors(void **state
   olx_scene_free(scene);
 }
 
+// Returns a square with KHR_materials_pbrSpecularGlossiness and these members, in a file that also says what a reader
+// without the extension would see: a green metal. Texture 0 has four colours.
+static olx_scene *load_glossy(const scene_folder *folder, const char *members) {
+  gltf_maker m = {0};
+  char more[1024];
+  add_square(&m);
+  snprintf(more, sizeof more,
+           ", \"materials\": [{\"name\": \"old\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 1, 0, 1]}, "
+           "\"extensions\": {\"KHR_materials_pbrSpecularGlossiness\": {%s}}}], \"textures\": [{\"source\": 0}], "
+           "\"images\": [{\"uri\": \"" FOUR_COLORS "\"}], \"extensionsUsed\": "
+           "[\"KHR_materials_pbrSpecularGlossiness\"], \"extensionsRequired\": "
+           "[\"KHR_materials_pbrSpecularGlossiness\"]",
+           members);
+  return load_model(write_square_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
+}
+
+// The diffuse reflectance and F0 of a surface, as it reflects light along its normal.
+static void assert_reflectances(olx_surface s, olx_vec3 diffuse, olx_vec3 specular, float tolerance) {
+  const float dielectric = 0.04f * s.bsdf.dielectric_weight;
+  const olx_vec3 of_dielectric = olx_scale(s.base_color, (1.0f - s.metallic) * (1.0f - dielectric));
+  const olx_vec3 f0 = olx_mix3(olx_splat(dielectric), s.base_color, s.metallic);
+  assert_near_vector(of_dielectric, diffuse.x, diffuse.y, diffuse.z, tolerance);
+  assert_near_vector(f0, specular.x, specular.y, specular.z, tolerance);
+}
+
+static void glossiness_and_the_reflectances_of_factors_are_kept(void **state) {
+  const struct {
+    float diffuse[3], specular[3];
+  } cases[] = {{{0.8f, 0.1f, 0.3f}, {0, 0, 0}},
+               {{0.8f, 0.1f, 0.3f}, {0.04f, 0.04f, 0.04f}},
+               {{0.5f, 0.5f, 0.5f}, {0.02f, 0.02f, 0.02f}},
+               {{0.3f, 0.3f, 0.3f}, {0.2f, 0.2f, 0.2f}},
+               {{0, 0, 0}, {0.9f, 0.6f, 0.2f}}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    const float *d = cases[i].diffuse, *s = cases[i].specular;
+    char members[200];
+    snprintf(members, sizeof members,
+             "\"diffuseFactor\": [%g, %g, %g, 1], \"specularFactor\": [%g, %g, %g], \"glossinessFactor\": 0.25",
+             (double)d[0], (double)d[1], (double)d[2], (double)s[0], (double)s[1], (double)s[2]);
+    olx_scene *scene = load_glossy(*state, members);
+    const olx_surface surface = look_at_square(scene, 0.5f, 0.25f);
+    assert_reflectances(surface, olx_scale(olx_load3(d), 1.0f - olx_max3(olx_load3(s))), olx_load3(s), 1e-4f);
+    assert_near_number(surface.roughness, 0.75f, 1e-6f);
+    assert_not_warned(scene, "ignored");
+    olx_scene_free(scene);
+  }
+}
+
+// Upper left red, upper right green, lower left blue, lower right white with alpha 0.
+static void glossiness_textures_are_converted_texel_by_texel(void **state) {
+  const float half_way[2] = {0.25f, 0.75f};
+  olx_scene *scene = load_glossy(*state, "\"diffuseFactor\": [0.5, 0.5, 0.5, 1], \"specularFactor\": [0.04, 0.04, "
+                                         "0.04], \"diffuseTexture\": {\"index\": 0}");
+  assert_near_vector(look_at_square(scene, 0.25f, 0.75f).base_color, 0.5f, 0, 0, 1e-4f);
+  assert_int_equal(scene->texture_count, 1);
+  olx_scene_free(scene);
+  // The white texel reflects a quarter, more than a dielectric does, and its alpha, the glossiness, is 0.
+  scene = load_glossy(*state, "\"diffuseFactor\": [0.5, 0.5, 0.5, 1], \"specularFactor\": [0.25, 0.25, 0.25], "
+                              "\"glossinessFactor\": 0.5, \"specularGlossinessTexture\": {\"index\": 0}");
+  for (int i = 0; i < 4; ++i) {
+    const olx_surface s = look_at_square(scene, half_way[i % 2], half_way[i < 2]);
+    assert_near_number(s.roughness, i == 3 ? 1.0f : 0.5f, 3e-3f);
+  }
+  assert_reflectances(look_at_square(scene, 0.75f, 0.25f), olx_splat(0.375f), olx_splat(0.25f), 6e-3f);
+  assert_int_equal(scene->texture_count, 2);
+  olx_scene_free(scene);
+}
+
+static void surfaces_without_a_material_are_reported(void **state) {
+  const char *plain = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3}";
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load_model(write_square_model(&m, *state, plain, "[{\"mesh\": 0}]", ""));
+  assert_near_number(look_at_square(scene, 0.5f, 0.25f).metallic, 1.0f, 0.0f);
+  assert_model_warned(scene, "surfaces without a material are white metal");
+  olx_scene_free(scene);
+  scene = load_model(scene_folder_write_text(*state, "made.json",
+                                             "{\"model\": \"made.gltf\", \"materials\": {\"*\": {\"metallic\": 0}}}"));
+  assert_near_number(look_at_square(scene, 0.5f, 0.25f).metallic, 0.0f, 0.0f);
+  olx_scene_free(scene);
+  m = (gltf_maker){0};
+  add_square(&m);
+  scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", ", \"materials\": [{}]"));
+  assert_not_warned(scene, "without a material");
+  olx_scene_free(scene);
+}
+
 static void extensions_that_are_ignored_are_named(void **state) {
   gltf_maker m = {0};
   add_square(&m);
@@ -295,6 +382,9 @@ int main(void) {
       WITH_FOLDER(descriptions_replace_specular_textures),
       WITH_FOLDER(specular_textures_that_lie_elsewhere_are_left_out),
       WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),
+      WITH_FOLDER(glossiness_and_the_reflectances_of_factors_are_kept),
+      WITH_FOLDER(glossiness_textures_are_converted_texel_by_texel),
+      WITH_FOLDER(surfaces_without_a_material_are_reported),
       WITH_FOLDER(extensions_that_are_ignored_are_named),
       WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
   };

@@ -595,6 +595,31 @@ static void no_probe_leaves_through_a_window(void **state) {
   olx_scene_free(scene);
 }
 
+// A block stands on the ground, its top is the scene's. A camera that looks down on it gets probes above it, which see
+// the top; a camera below the top does not.
+static void what_lies_uppermost_is_seen_from_above(void **state) {
+  (void)state;
+  for (int above = 0; above < 2; above++) {
+    olx_scene *scene = made_scene();
+    const uint32_t m = matte(scene);
+    made_quad(scene, olx_v3(0, 0, 0), olx_v3(0, 0, 6), olx_v3(6, 0, 0), m);
+    made_box(scene, olx_v3(-1, 0, -1), olx_v3(1, 1, 1), true, m);
+    add_camera(scene, above ? olx_v3(5, 4, 5) : olx_v3(2.5f, 0.5f, 2.5f), olx_v3(0, 0.5f, 0));
+    made_finish(scene);
+    const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
+    olx_probe_set set = place(scene, &settings);
+    uint32_t see_top = 0;
+    for (uint32_t i = 0; i < set.count; i++) {
+      const olx_vec3 p = set.probes[i].position;
+      assert_true(p.y < 1.0f + 0.125f * sqrtf(73.0f));
+      see_top += p.y > 1.0f;
+    }
+    assert_int_equal(see_top > 0, above);
+    olx_probe_set_free(&set);
+    olx_scene_free(scene);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(distance_transform_is_exact),
@@ -611,6 +636,7 @@ int main(void) {
       cmocka_unit_test(asked_coverage_is_reached),
       cmocka_unit_test(marks_tell_what_is_missed),
       cmocka_unit_test(no_probe_leaves_through_a_window),
+      cmocka_unit_test(what_lies_uppermost_is_seen_from_above),
       cmocka_unit_test(a_second_view_needs_more_probes),
       cmocka_unit_test(a_budget_says_how_many),
       cmocka_unit_test(a_budget_for_no_probe_is_refused),

@@ -454,6 +454,45 @@ static void few_surfels_are_not_trusted_where_their_light_differs(void **state) 
   olx_scene_free(scene);
 }
 
+// A floor and two walls without a ceiling, with a lamp in their middle, and a sheet so far away that the bounds are
+// many times as large as the room.
+static olx_scene *room_below_the_sky(void) {
+  olx_scene *scene = made_scene();
+  olx_material white = olx_material_default();
+  white.base_color = olx_splat(0.5f);
+  white.specular_weight = 0.0f;
+  const uint32_t paint = made_material(scene, &white);
+  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 4), olx_v3(4, 0, 0), paint);
+  made_quad(scene, olx_v3(-2, 0, 0), olx_v3(0, 2, 0), olx_v3(0, 0, 4), paint);
+  made_quad(scene, olx_v3(0, 0, -2), olx_v3(4, 0, 0), olx_v3(0, 2, 0), paint);
+  made_quad(scene, olx_v3(0, 0, 100), olx_v3(0, 1, 0), olx_v3(1, 0, 0), paint);
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .emission = olx_splat(1.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  return made_finish(scene);
+}
+
+// Surfaces a metre or two from a lamp are not near it, however far its rays into the sky may go.
+static void a_lamp_below_the_sky_loses_no_light(void **state) {
+  (void)state;
+  enum { WALL_POINTS = 64, PATHS = 1024 };
+  olx_scene *scene = room_below_the_sky();
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  double found = 0.0, wanted = 0.0;
+  for (uint32_t i = 0; i < WALL_POINTS; i++) {
+    const olx_vec2 uv = olx_hammersley(i, WALL_POINTS);
+    const olx_ray ray = {olx_v3(0, 1.9f * (uv.x - 0.5f), 3.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    uint64_t rays = 0;
+    wanted += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
+    found += (double)olx_luminance(olx_scene_light_irradiance(light, &wall));
+  }
+  print_message("light below the sky: %.4f of the truth\n", found / wanted);
+  assert_true(fabs(found / wanted - 1.0) < 0.03);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -467,6 +506,7 @@ int main(void) {
       cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
       cmocka_unit_test(the_volume_has_the_light_of_a_fixture),
       cmocka_unit_test(few_surfels_are_not_trusted_where_their_light_differs),
+      cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

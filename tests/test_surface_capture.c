@@ -3,6 +3,7 @@
 #include "baked_field.h"
 #include "made_scenes.h"
 
+#include "bake/capture/texel_blocks.h"
 #include "core/octahedral.h"
 #include "scene/builtin/builtin_shapes.h"
 #include "trace/texel_shade.h"
@@ -346,12 +347,51 @@ static void blocks_hold_what_texels_hold(void **state) {
   olx_scene_free(scene);
 }
 
+// The edge of a pond: water meets a slope of 20 degrees along x = 0, below a probe. Texels of one block share gathered
+// light on the same side of the edge alone, since light differs on both sides of an edge.
+static void texels_share_no_light_across_an_edge(void **state) {
+  (void)state;
+  enum { MAP = 256 };
+  const float turn = 20.0f * OLX_PI / 180.0f;
+  olx_scene *scene = made_scene();
+  const olx_material material = plain(olx_splat(0.5f));
+  const uint32_t ground = made_material(scene, &material);
+  made_quad(scene, olx_v3(-1.0f, 0.0f, 0.0f), olx_v3(0.0f, 0.0f, 2.0f), olx_v3(2.0f, 0.0f, 0.0f), ground);
+  const olx_vec3 down = olx_v3(2.0f * cosf(turn), -2.0f * sinf(turn), 0.0f);
+  made_quad(scene, olx_scale(down, 0.5f), olx_v3(0.0f, 0.0f, 2.0f), down, ground);
+  made_finish(scene);
+  const olx_bake_settings settings = olx_bake_settings_default(scene);
+  olx_bake_context context = {.scene = scene, .settings = &settings, .distance_scale = 4.0f};
+  olx_capture capture = {.context = &context, .size = MAP};
+  assert_int_equal(olx_capture_create(&capture), OLX_OK);
+  // The block in the map's first corner looks straight down and towards -x and -z.
+  assert_int_equal(olx_capture_probe(&capture, 0, olx_v3(0.015f, 1.0f, 0.0f)), OLX_OK);
+  olx_block_surfaces seen;
+  olx_block_look(&capture, 0, &seen);
+  uint32_t alike = 0, across = 0;
+  for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+    for (uint32_t j = 0; j < OLX_BLOCK_TEXELS; j++) {
+      const bool same = seen.surface[i].geometric_normal.x == seen.surface[j].geometric_normal.x;
+      assert_true(olx_block_shares(&capture, 0, &seen, i, j) == same);
+      *(same ? &alike : &across) += i != j;
+    }
+  }
+  assert_true(alike > 0 && across > 0);
+  olx_capture_free(&capture);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(white_furnace_by_cache),          cmocka_unit_test(white_furnace_by_reference),
-      cmocka_unit_test(faint_glow_hides_nothing),        cmocka_unit_test(sky_and_sun_light_a_square),
-      cmocka_unit_test(texels_average_textures),         cmocka_unit_test(materials_survive),
-      cmocka_unit_test(any_threads_make_the_same_bytes), cmocka_unit_test(blocks_hold_what_texels_hold),
+      cmocka_unit_test(texels_share_no_light_across_an_edge),
+      cmocka_unit_test(white_furnace_by_cache),
+      cmocka_unit_test(white_furnace_by_reference),
+      cmocka_unit_test(faint_glow_hides_nothing),
+      cmocka_unit_test(sky_and_sun_light_a_square),
+      cmocka_unit_test(texels_average_textures),
+      cmocka_unit_test(materials_survive),
+      cmocka_unit_test(any_threads_make_the_same_bytes),
+      cmocka_unit_test(blocks_hold_what_texels_hold),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "field/field_writer.h"
+#include "shade/glossy.h"
 #include "shade/surface_irradiance.h"
 #include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
@@ -56,10 +57,11 @@ static host_fixture make_small_fixture(void) {
   return f;
 }
 
-static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
-  const olx_vulkan_view view = host_vulkan_view(&VIEW);
+static void run_view(host_images *h, const host_view *seen, const olx_vulkan_frame *frame,
+                     const olx_vulkan_settings *settings) {
+  const olx_vulkan_view view = host_vulkan_view(seen);
   assert_true(gpu_commands_begin(&device));
-  host_upload(h, &VIEW);
+  host_upload(h, seen);
   assert_int_equal(olx_vulkan_record_irradiance(frame, device.commands, &view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_glossy(frame, device.commands, &view, settings), OLX_OK);
   assert_int_equal(olx_vulkan_record_composite(frame, device.commands, &view, settings,
@@ -67,6 +69,10 @@ static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_v
                    OLX_OK);
   host_download(h);
   assert_true(gpu_commands_run(&device));
+}
+
+static void run_frame(host_images *h, const olx_vulkan_frame *frame, const olx_vulkan_settings *settings) {
+  run_view(h, &VIEW, frame, settings);
 }
 
 typedef struct light {
@@ -90,6 +96,11 @@ static light expected_light(const olx_field *field, const olx_vulkan_settings *s
   for (uint32_t j = 0; j < count; j++) {
     float weight, half_cosine;
     const olx_vec2 random = olx_stratified2(settings->sample_index * count + j, seed);
+    olx_vec3 direction;
+    if (!olx_glossy_draw(p->normal, p->view, p->roughness, random, &direction, &weight, &half_cosine) ||
+        olx_dot(direction, p->geometric_normal) <= 0.0f) {
+      continue;
+    }
     const olx_vec3 radiance = olx_glossy(field, &settings->sample, p->position, p->normal, p->view, p->roughness,
                                          random, &weight, &half_cosine, NULL);
     const olx_vec3 reflected = olx_mul(olx_fresnel(bsdf, half_cosine), radiance);
@@ -101,13 +112,13 @@ static light expected_light(const olx_field *field, const olx_vulkan_settings *s
 static double squared(olx_vec3 v) { return (double)olx_dot(v, v); }
 
 // Computes the relative mean squared errors of irradiance, glossy light and the composite against the CPU.
-static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings,
-                        double errors[OUTPUTS]) {
+static void judge_view(const host_images *h, const host_view *view, const olx_field *field,
+                       const olx_vulkan_settings *settings, double errors[OUTPUTS]) {
   double sums[OUTPUTS] = {0};
   memset(errors, 0, OUTPUTS * sizeof errors[0]);
   for (uint32_t i = 0; i < h->width * h->height; i++) {
     const uint32_t x = i % h->width, y = i / h->width;
-    const host_pixel p = host_pixel_at(&VIEW, x, y);
+    const host_pixel p = host_pixel_at(view, x, y);
     float alpha[OUTPUTS];
     const olx_vec3 seen[OUTPUTS] = {host_output(h, 0, i, &alpha[0]), host_output(h, 1, i, &alpha[1]),
                                     host_output(h, 2, i, &alpha[2])};
@@ -134,6 +145,11 @@ static void judge_frame(const host_images *h, const olx_field *field, const olx_
     }
   }
   for (uint32_t k = 0; k < OUTPUTS; k++) errors[k] /= sums[k];
+}
+
+static void judge_frame(const host_images *h, const olx_field *field, const olx_vulkan_settings *settings,
+                        double errors[OUTPUTS]) {
+  judge_view(h, &VIEW, field, settings, errors);
 }
 
 static olx_vulkan_settings test_settings(void) {
@@ -222,6 +238,24 @@ static void images_tell_normals_and_what_is_dynamic(void **unused) {
     assert_true(masked < limits[i] && probes < limits[i] && other > 1e-2);
     host_fixture_free(&f);
   }
+}
+
+// Rays that a bent normal sends below the geometric one bring no light, where the host gives the geometric normal.
+static void nothing_is_reflected_from_below_the_surface(void **unused) {
+  (void)unused;
+  host_view view = VIEW;
+  view.bend = 0.8f;
+  host_fixture f = host_fixture_make(&device, 128, 16);
+  f.images = make_images(WIDTH, HEIGHT, VK_FORMAT_R32G32B32A32_SFLOAT);
+  f.images.targets.geometric_normal = host_input(&f.images, HOST_GEOMETRIC_NORMAL);
+  host_fixture_add_frame(&f);
+  const olx_vulkan_settings settings = test_settings();
+  double errors[OUTPUTS];
+  run_view(&f.images, &view, f.frame, &settings);
+  judge_view(&f.images, &view, f.field, &settings, errors);
+  print_message("relative MSE of glossy light with bent normals %.2e\n", errors[1]);
+  assert_true(errors[1] < 1e-5);
+  host_fixture_free(&f);
 }
 
 // A volume whose only row of cubes fills the half of the room towards x = 0.
@@ -632,6 +666,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(passes_give_the_light_of_the_cpu),
       cmocka_unit_test(images_tell_normals_and_what_is_dynamic),
+      cmocka_unit_test(nothing_is_reflected_from_below_the_surface),
       cmocka_unit_test(dynamic_objects_take_the_irradiance_volume),
       cmocka_unit_test(a_field_without_probe_light_lights_frames),
       cmocka_unit_test(without_any_source_places_are_dark),

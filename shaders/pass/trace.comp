@@ -24,7 +24,7 @@ struct waiting_ray {
 
 // Traces one ray and adds its light: the waiting one, or else one drawn by the pixel's surface, which may leave another
 // waiting.
-void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout gathered sum) {
+void trace_ray(ivec2 pixel, frame_surface surface, vec2 random, inout waiting_ray next, inout gathered sum) {
   olx_sample_settings settings = frame_settings();
   bool further = next.waits;
   if (!further) {
@@ -32,6 +32,7 @@ void trace_ray(frame_surface surface, vec2 random, inout waiting_ray next, inout
     vec3 direction;
     if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine))
       return;
+    if (leads_inside(pixel, surface, direction)) return;
     next.ray = olx_further_ray(surface.position, direction, olx_fresnel(surface.bsdf, half_cosine) * weight);
   }
   olx_trace_hit hit = olx_trace(settings, next.ray.origin, next.ray.direction, OLX_INFINITY);
@@ -77,6 +78,6 @@ void main() {
       return;
     }
     vec2 random = olx_stratified2(frame.sample_index * count + j, pixel_seed(uvec2(pixel), OLX_GLOSSY_BRANCH));
-    trace_ray(surface, random, next, sum);
+    trace_ray(pixel, surface, random, next, sum);
   }
 }

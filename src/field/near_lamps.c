@@ -11,8 +11,8 @@
 
 enum { SALT_LAMP = 0x4C414D50 };
 
-// A surface is near a lamp within this share of the distance that seven eighths of the lamp's rays do not exceed: the
-// shade around a lamp covers less, and its room more.
+// A surface is near a lamp within this share of the distance that seven eighths of the lamp's rays to surfaces do not
+// exceed: the shade around a lamp covers less, and its room more. Rays into the sky say nothing of the room's size.
 static const float NEAR_SHARE = 0.1f, ROOM_QUANTILE = 0.875f;
 // The least distance at which the light of a point is computed, as a share of that radius.
 static const float SOFT_SHARE = 0.25f;
@@ -27,9 +27,9 @@ static bool has_place(const olx_light *light) {
 typedef struct lamp_sights {
   olx_vec3 directions[OLX_LAMP_RAYS];
   olx_lamp_sight sights[OLX_LAMP_RAYS];
-  float distances[OLX_LAMP_RAYS]; // sorted
-  uint32_t rays;
-  float solid_angle; // of one ray, sr
+  float distances[OLX_LAMP_RAYS]; // of the rays that meet surfaces, sorted
+  uint32_t rays, hits;            // hits: number of those distances
+  float solid_angle;              // of one ray, sr
 } lamp_sights;
 
 static int by_distance(const void *a, const void *b) {
@@ -48,8 +48,11 @@ static void look_around(const olx_light *light, uint32_t number, const olx_lamp_
     s->directions[i] = olx_normalize(spot ? olx_from_basis(local, light->direction) : local);
   }
   view->look(view->user, light->position, s->directions, s->rays, s->sights);
-  for (uint32_t i = 0; i < s->rays; i++) s->distances[i] = olx_min(s->sights[i].distance, view->far);
-  qsort(s->distances, s->rays, sizeof *s->distances, by_distance);
+  s->hits = 0;
+  for (uint32_t i = 0; i < s->rays; i++) {
+    if (s->sights[i].distance < INFINITY) s->distances[s->hits++] = s->sights[i].distance;
+  }
+  qsort(s->distances, s->hits, sizeof *s->distances, by_distance);
 }
 
 // Returns whether the surfaces that most rays end at within `radius` are known.
@@ -88,7 +91,8 @@ static void add_lamp(olx_near_lamps *l, const olx_light *light, uint32_t number,
   if (!has_place(light)) return;
   look_around(light, number, view, s);
   l->rays += s->rays;
-  const float radius = NEAR_SHARE * s->distances[(uint32_t)(ROOM_QUANTILE * (float)s->rays)];
+  if (s->hits == 0) return;
+  const float radius = NEAR_SHARE * s->distances[(uint32_t)(ROOM_QUANTILE * (float)s->hits)];
   if (s->distances[0] >= radius || !knows(s, radius)) return;
   l->radius[number] = radius;
   add_points(l, light, radius, s);

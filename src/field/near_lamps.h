@@ -35,7 +35,6 @@ typedef void (*olx_lamp_look)(const void *user, olx_vec3 from, const olx_vec3 *d
 typedef struct olx_lamp_view {
   olx_lamp_look look;
   const void *user;
-  float far;         // metres: the distance that rays into the sky are given
   uint32_t all_rays; // of all lamps: a bound
   uint32_t rays;     // of a lamp, at most OLX_LAMP_RAYS
 } olx_lamp_view;

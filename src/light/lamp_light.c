@@ -25,11 +25,7 @@ static void look(const void *user, olx_vec3 from, const olx_vec3 *directions, ui
 
 olx_result olx_lamp_light_create(olx_near_lamps *lamps, const olx_scene *scene, const olx_light *lights,
                                  uint32_t count) {
-  const olx_lamp_view view = {.look = look,
-                              .user = scene,
-                              .far = olx_length(olx_sub(scene->bounds_max, scene->bounds_min)),
-                              .all_rays = ALL_RAYS,
-                              .rays = OLX_LAMP_RAYS};
+  const olx_lamp_view view = {.look = look, .user = scene, .all_rays = ALL_RAYS, .rays = OLX_LAMP_RAYS};
   return olx_near_lamps_create(lamps, lights, count, &view);
 }
 

@@ -74,12 +74,7 @@ static void look(const void *user, olx_vec3 from, const olx_vec3 *directions, ui
 }
 
 static olx_result find_lamps(const olx_field *field, const olx_light *lights, uint32_t count, olx_near_lamps *lamps) {
-  const olx_field_info *info = &field->info;
-  const olx_lamp_view view = {.look = look,
-                              .user = field,
-                              .far = olx_length(olx_sub(info->scene.bounds_max, info->scene.bounds_min)),
-                              .all_rays = ALL_LAMP_RAYS,
-                              .rays = LAMP_RAYS};
+  const olx_lamp_view view = {.look = look, .user = field, .all_rays = ALL_LAMP_RAYS, .rays = LAMP_RAYS};
   return olx_near_lamps_create(lamps, lights, count, &view);
 }
 

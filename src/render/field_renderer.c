@@ -81,6 +81,7 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
                        &half_cosine)) {
     return false;
   }
+  if (olx_dot(ray->direction, surface->geometric_normal) <= 0.0f) return false;
   ray->origin = field_origin(surface);
   ray->density = olx_glossy_density(shading, ray->direction);
   ray->random = random;

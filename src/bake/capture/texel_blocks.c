@@ -8,7 +8,7 @@
 static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
 // How far a texel may lie from the plane of another with which it shares light, in footprints, and how far their
 // normals may differ.
-static const float SHARED_FOOTPRINTS = 1.0f, SHARED_COSINE = 0.9f;
+static const float SHARED_FOOTPRINTS = 0.5f, SHARED_COSINE = 0.98f;
 
 static olx_surface surface_of(const olx_capture *c, uint32_t texel) {
   const olx_ray_hit *hit = &c->hits[texel];

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #define LEAST_INDOORS 0.05f // least share of all reached space that may remain
+#define LARGEST_RISE 0.125f // of the diagonal: how far space above the scene matters to cameras that look down
 enum {
   CAMERA_RAYS = 48,    // rays along the height and the width of the image of a camera outside the box
   MAX_COMPONENTS = 64, // most connected components that are classified, the largest ones
@@ -325,11 +326,22 @@ static olx_result flood_space(olx_world *w, uint32_t threads) {
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
 }
 
-// Finds the box of interest: the playable one, as far as it is near the scene, or the scene's bounds.
+// Returns the height up to which probes are of use: that of the scene, or of the highest camera that looks down on it,
+// at most LARGEST_RISE of the diagonal above the scene. Only from there can a probe see what lies uppermost.
+static float height_of_interest(const olx_scene *scene, float diagonal) {
+  const float top = scene->bounds_max.y;
+  float highest = top;
+  for (uint32_t i = 0; i < scene->camera_count; i++) highest = olx_max(highest, scene->cameras[i].eye.y);
+  return olx_min(highest, top + LARGEST_RISE * diagonal);
+}
+
+// Finds the box of interest: the playable one, as far as it is near the scene, or the scene's bounds with the space
+// above them from which cameras look down.
 olx_result olx_space_box(const olx_scene *scene, olx_box *box) {
   const olx_probe_rules *rules = &scene->probe_rules;
   *box = (olx_box){scene->bounds_min, scene->bounds_max};
   const float diagonal = olx_length(olx_sub(box->max, box->min));
+  if (!rules->has_playable) box->max.y = height_of_interest(scene, diagonal);
   if (rules->has_playable) {
     box->min = olx_max_each(rules->playable.min, olx_add(box->min, olx_splat(-diagonal)));
     box->max = olx_min_each(rules->playable.max, olx_add(box->max, olx_splat(diagonal)));

@@ -63,9 +63,15 @@ static olx_result parse_json(olx_gltf *gltf) {
 
 // ---- Version and extensions
 
-static const char *const supported_extensions[] = {
-    "EXT_meshopt_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_specular",
-    "KHR_mesh_quantization",   "KHR_meshopt_compression", "KHR_texture_transform",           "MESHOPT_compression"};
+static const char *const supported_extensions[] = {"EXT_meshopt_compression",
+                                                   "KHR_lights_punctual",
+                                                   "KHR_materials_emissive_strength",
+                                                   "KHR_materials_pbrSpecularGlossiness",
+                                                   "KHR_materials_specular",
+                                                   "KHR_mesh_quantization",
+                                                   "KHR_meshopt_compression",
+                                                   "KHR_texture_transform",
+                                                   "MESHOPT_compression"};
 // Extensions that change at most the look of a material, so that a scene can be used without them.
 static const char *const ignored_extensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_clearcoat",
@@ -88,6 +94,17 @@ static bool listed(const char *name, const char *const *list, size_t count) {
 
 #define LISTED(name, list) listed((name), (list), sizeof(list) / sizeof *(list))
 
+// Returns how a file that needs an extension is made readable, as the end of a message.
+static const char *remedy_for(const char *extension) {
+  if (strcmp(extension, "KHR_draco_mesh_compression") == 0) {
+    return ": export the model again without compression, or with meshopt's";
+  }
+  if (strncmp(extension, "EXT_texture_", 12) == 0 || strcmp(extension, "KHR_texture_basisu") == 0) {
+    return ": export the model again with textures in PNG or JPEG";
+  }
+  return "";
+}
+
 static olx_result check_required(const olx_gltf *gltf) {
   const cJSON *name = NULL;
   cJSON_ArrayForEach(name, olx_json_member(gltf->root, "extensionsRequired")) {
@@ -95,8 +112,8 @@ static olx_result check_required(const olx_gltf *gltf) {
       return olx_fail(OLX_ERROR_FORMAT, "%s: extensionsRequired: not a list of names", gltf->path);
     }
     if (!LISTED(name->valuestring, supported_extensions) && !LISTED(name->valuestring, ignored_extensions)) {
-      return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: the file needs the glTF extension %.100s, which is not supported",
-                      gltf->path, name->valuestring);
+      return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: the file needs the glTF extension %.100s, which is not supported%s",
+                      gltf->path, name->valuestring, remedy_for(name->valuestring));
     }
   }
   return OLX_OK;

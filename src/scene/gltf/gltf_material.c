@@ -54,14 +54,8 @@ static olx_result read_texture(material_reader *r, const cJSON *parent, const ch
   return OLX_OK;
 }
 
-static olx_result read_textures(material_reader *r, const cJSON *element) {
-  const cJSON *pbr = olx_json_member(element, "pbrMetallicRoughness");
+static olx_result read_shared_textures(material_reader *r, const cJSON *element) {
   olx_material *m = r->material;
-  OLX_TRY(read_texture(r, pbr, "baseColorTexture", OLX_TEXTURE_COLOR, OLX_SLOT_BASE_COLOR, &m->base_color_texture));
-  if (!r->surface->merged) {
-    OLX_TRY(read_texture(r, pbr, "metallicRoughnessTexture", OLX_TEXTURE_DATA, OLX_SLOT_METALLIC_ROUGHNESS,
-                         &m->metallic_roughness_texture));
-  }
   OLX_TRY(read_texture(r, element, "emissiveTexture", OLX_TEXTURE_COLOR, OLX_SLOT_EMISSION, &m->emission_texture));
   return read_texture(r, element, "normalTexture", OLX_TEXTURE_DATA, OLX_SLOT_NORMAL, &m->normal_texture);
 }
@@ -82,10 +76,10 @@ typedef struct merged_texture {
   olx_texture_use use;
 } merged_texture;
 
-static bool lie_together(const merged_texture parts[OLX_SPECULAR_IMAGES]) {
+static bool lie_together(const merged_texture *parts, uint32_t count) {
   olx_gltf_placement first, next;
   bool any = false, together = true;
-  for (uint32_t i = 0; i < OLX_SPECULAR_IMAGES; ++i) {
+  for (uint32_t i = 0; i < count; ++i) {
     const cJSON *info = olx_json_member(parts[i].parent, parts[i].key);
     if (!info) continue;
     next = olx_gltf_read_placement(info);
@@ -102,7 +96,7 @@ static olx_result read_specular_textures(material_reader *r, const cJSON *elemen
                                 OLX_TEXTURE_DATA},
       [OLX_SPECULAR_FACTOR] = {specular, "specularTexture", OLX_TEXTURE_DATA},
       [OLX_SPECULAR_COLOR] = {specular, "specularColorTexture", OLX_TEXTURE_COLOR}};
-  r->surface->merged = lie_together(parts);
+  r->surface->merged = lie_together(parts, OLX_SPECULAR_IMAGES);
   if (!r->surface->merged) {
     olx_name_list_add(&r->import->displaced, r->material->name);
     return OLX_OK;
@@ -132,24 +126,70 @@ static olx_result read_specular(material_reader *r, const cJSON *element) {
   return read_specular_textures(r, element, specular);
 }
 
-static olx_result read_material(material_reader *r, const cJSON *element) {
+static olx_result read_metallic_roughness(material_reader *r, const cJSON *element) {
   const cJSON *pbr = olx_json_member(element, "pbrMetallicRoughness");
   olx_material *m = r->material;
   float base_color[4] = {1.0f, 1.0f, 1.0f, 1.0f};
-  *m = olx_material_default();
-  snprintf(m->name, sizeof m->name, "%.127s", olx_json_text(element, "name"));
   olx_json_floats(olx_json_member(pbr, "baseColorFactor"), base_color, 4);
   m->base_color = olx_load3(base_color);
   m->metallic = number_of(pbr, "metallicFactor", 1.0f);
   m->roughness = number_of(pbr, "roughnessFactor", 1.0f);
+  read_alpha(r, element, base_color[3]);
+  OLX_TRY(read_specular(r, element));
+  OLX_TRY(read_texture(r, pbr, "baseColorTexture", OLX_TEXTURE_COLOR, OLX_SLOT_BASE_COLOR, &m->base_color_texture));
+  if (r->surface->merged) return OLX_OK;
+  return read_texture(r, pbr, "metallicRoughnessTexture", OLX_TEXTURE_DATA, OLX_SLOT_METALLIC_ROUGHNESS,
+                      &m->metallic_roughness_texture);
+}
+
+// Reads the textures that a material of the extension is converted from. A diffuse colour alone is the base colour of a
+// dielectric as it is; what else there is is converted texel by texel.
+static olx_result read_glossy_textures(material_reader *r, const cJSON *glossy) {
+  const merged_texture parts[] = {{glossy, "diffuseTexture", OLX_TEXTURE_COLOR},
+                                  {glossy, "specularGlossinessTexture", OLX_TEXTURE_COLOR}};
+  const bool reflects = olx_json_member(glossy, parts[1].key);
+  olx_gltf_glossy_images *images = &r->surface->glossy;
+  if (reflects && !lie_together(parts, 2)) olx_name_list_add(&r->import->displaced, r->material->name);
+  else r->surface->converted = reflects || r->material->metallic > 0.0f;
+  if (!r->surface->converted) {
+    return read_texture(r, glossy, parts[0].key, parts[0].use, OLX_SLOT_BASE_COLOR, &r->material->base_color_texture);
+  }
+  material_reader reader = *r;
+  reader.import = r->merging;
+  images->diffuse = images->specular = OLX_NO_TEXTURE;
+  OLX_TRY(read_texture(&reader, glossy, parts[0].key, parts[0].use, OLX_SLOT_BASE_COLOR, &images->diffuse));
+  OLX_TRY(read_texture(&reader, glossy, parts[1].key, parts[1].use, OLX_SLOT_METALLIC_ROUGHNESS, &images->specular));
+  r->crowded = reader.crowded;
+  return OLX_OK;
+}
+
+static olx_result read_glossiness(material_reader *r, const cJSON *element, const cJSON *glossy) {
+  float diffuse[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  olx_json_floats(olx_json_member(glossy, "diffuseFactor"), diffuse, 4);
+  const olx_gltf_glossiness factors = {olx_load3(diffuse), color_of(glossy, "specularFactor", 1.0f),
+                                       number_of(glossy, "glossinessFactor", 1.0f)};
+  const olx_gltf_converted converted = olx_gltf_convert_glossiness(&factors);
+  r->surface->glossy.factors = factors;
+  r->material->base_color = converted.base_color;
+  r->material->metallic = converted.metallic;
+  r->material->roughness = converted.roughness;
+  r->material->specular_weight = converted.specular_weight;
+  read_alpha(r, element, diffuse[3]);
+  return read_glossy_textures(r, glossy);
+}
+
+static olx_result read_material(material_reader *r, const cJSON *element) {
+  olx_material *m = r->material;
+  *m = olx_material_default();
+  snprintf(m->name, sizeof m->name, "%.127s", olx_json_text(element, "name"));
   m->normal_scale = number_of(olx_json_member(element, "normalTexture"), "scale", 1.0f);
   const cJSON *strength = olx_gltf_extension(element, "KHR_materials_emissive_strength");
   m->emission = olx_scale(color_of(element, "emissiveFactor", 0.0f),
                           olx_max(number_of(strength, "emissiveStrength", 1.0f), 0.0f));
   m->emits_both_sides = cJSON_IsTrue(olx_json_member(element, "doubleSided"));
-  read_alpha(r, element, base_color[3]);
-  OLX_TRY(read_specular(r, element));
-  OLX_TRY(read_textures(r, element));
+  const cJSON *glossy = olx_gltf_extension(element, "KHR_materials_pbrSpecularGlossiness");
+  OLX_TRY(glossy ? read_glossiness(r, element, glossy) : read_metallic_roughness(r, element));
+  OLX_TRY(read_shared_textures(r, element));
   if (r->crowded) olx_name_list_add(&r->import->crowded, m->name);
   return OLX_OK;
 }
@@ -170,9 +210,7 @@ static olx_result import_material(olx_gltf *gltf, olx_material_import *import, o
   return olx_scene_add_material(gltf->scene, &material, &surface->material);
 }
 
-// Decodes and merges the textures of materials that need it. Materials with the same ones share the result.
-static olx_result merge_textures(olx_gltf *gltf, olx_material_import *merging, olx_gltf_surface *surfaces) {
-  OLX_TRY(olx_texture_table_decode(&merging->textures, gltf->path, gltf->scene));
+static olx_result merge_specular(olx_gltf *gltf, const olx_material_import *merging, const olx_gltf_surface *surfaces) {
   for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
     const olx_gltf_specular *specular = &surfaces[i].specular;
     char element[32];
@@ -192,6 +230,39 @@ static olx_result merge_textures(olx_gltf *gltf, olx_material_import *merging, o
   return OLX_OK;
 }
 
+static olx_result convert_glossiness(olx_gltf *gltf, const olx_material_import *merging,
+                                     const olx_gltf_surface *surfaces) {
+  for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
+    const olx_gltf_glossy_images *images = &surfaces[i].glossy;
+    char element[32];
+    uint32_t same = 0;
+    if (!surfaces[i].converted) continue;
+    while (!surfaces[same].converted || memcmp(&surfaces[same].glossy, images, sizeof *images) != 0) same++;
+    olx_material *material = &gltf->scene->materials[surfaces[i].material];
+    const olx_material *made = &gltf->scene->materials[surfaces[same].material];
+    snprintf(element, sizeof element, "materials[%u]", i);
+    if (same == i) {
+      OLX_TRY(olx_gltf_merge_glossiness(images, &merging->textures, gltf->path, element, gltf->scene, material));
+      continue;
+    }
+    material->base_color = made->base_color;
+    material->metallic = made->metallic;
+    material->roughness = made->roughness;
+    material->specular_weight = made->specular_weight;
+    material->base_color_texture = made->base_color_texture;
+    material->metallic_roughness_texture = made->metallic_roughness_texture;
+    material->specular_in_alpha = made->specular_in_alpha;
+  }
+  return OLX_OK;
+}
+
+// Decodes and merges the textures of materials that need it. Materials with the same ones share the result.
+static olx_result merge_textures(olx_gltf *gltf, olx_material_import *merging, const olx_gltf_surface *surfaces) {
+  OLX_TRY(olx_texture_table_decode(&merging->textures, gltf->path, gltf->scene));
+  OLX_TRY(merge_specular(gltf, merging, surfaces));
+  return convert_glossiness(gltf, merging, surfaces);
+}
+
 olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces) {
   olx_material_import import = {.path = gltf->path, .scene = gltf->scene}, merging = import;
   const uint32_t first = gltf->scene->material_count;
@@ -202,6 +273,12 @@ olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces)
   if (result == OLX_OK) result = olx_import_load_textures(&import, first);
   if (result == OLX_OK) result = merge_textures(gltf, &merging, surfaces);
   if (result == OLX_OK) olx_import_warn_about_materials(&import);
+  if (result == OLX_OK && surfaces[gltf->materials.count].used) {
+    olx_scene_warn(gltf->scene,
+                   "%s: surfaces without a material are white metal, as glTF has it: \"metallic\": 0 for \"*\" in a "
+                   "description makes them matte",
+                   gltf->path);
+  }
   olx_texture_table_free(&import.textures);
   olx_texture_table_free(&merging.textures);
   return result;

@@ -1,7 +1,7 @@
 // The page that `octalux export web` writes: a room, its field, and controls for both.
 import {
-  ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
-  PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
+  ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh,
+  MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OctaluxField } from 'octalux';
@@ -11,7 +11,7 @@ import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
 const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, TOO_SLOW = 0.25, STILL_SECONDS = 0.25, KEY = 0.2;
-const LAYERS = ['picture', 'diffuse', 'glossy', 'rays']; // olx_layer of shading.js
+const LAYERS = ['picture', 'diffuse', 'glossy', 'rays', 'depth', 'normal']; // olx_layer of shading.js
 
 const AXES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((axis) => new Vector3(...axis));
 
@@ -359,8 +359,18 @@ function base64Of(bytes) {
   return btoa(text);
 }
 
-// Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples, or for
-// 'rays' the shares of samples that trace a ray and that stay unresolved: RGBA floats in base64.
+// Sets how textures are read where they are shown smaller than they are.
+function filterTextures(minFilter) {
+  room.traverse((mesh) => {
+    for (const texture of Object.values(mesh.material ?? {})) {
+      if (!texture?.isTexture || !texture.generateMipmaps || texture.minFilter === minFilter) continue;
+      Object.assign(texture, { minFilter, needsUpdate: true });
+    }
+  });
+}
+
+// Returns one layer as `octalux render --centered` renders it with so many glossy samples, or for 'rays' the shares of
+// samples that trace a ray and that stay unresolved: RGBA floats in base64.
 function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();
@@ -371,7 +381,9 @@ function readLayer(layer, width, height, samples) {
   uniforms.olx_emitters.value = false;
   uniforms.olx_left.value = 0;
   ball.visible = false;
+  filterTextures(LinearFilter); // as octalux render, which averages texels by more rays a pixel
   const pixels = picture.read(scenes, shot, field, width, height, samples);
+  filterTextures(LinearMipmapLinearFilter);
   ball.visible = true;
   uniforms.olx_layer.value = 0;
   uniforms.olx_emitters.value = before.emitters;

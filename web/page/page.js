@@ -10,7 +10,7 @@ import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
-const MOST_PIXEL_RATIO = 2, FIRST_SCALE = 0.15, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, KEY = 0.2;
+const MOST_PIXEL_RATIO = 2, FIRST_PIXELS = 5000, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, KEY = 0.2;
 const SLOWEST_FRAME = 1 / 20, TOO_SLOW = 0.25, STILL_SECONDS = 0.25;
 const PATIENCE_MS = 200; // within this time glossy light comes before larger pictures, which slow devices draw for long
 const LAYERS = ['picture', 'diffuse', 'glossy', 'rays', 'depth', 'normal']; // olx_layer of shading.js
@@ -199,7 +199,7 @@ function draw() {
 // Draws a small picture, and waits until the device has drawn it.
 async function drawFirst() {
   place();
-  resizePicture(FIRST_SCALE);
+  resizePicture(Math.min(LEAST_SCALE, Math.sqrt(FIRST_PIXELS / (innerWidth * innerHeight)) / renderer.getPixelRatio()));
   picture.draw(scenes, camera, field);
   const isDone = submit();
   while (!isDone()) await new Promise(requestAnimationFrame);

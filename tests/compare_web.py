@@ -8,7 +8,7 @@ import argparse
 import math
 import sys
 
-import exr_file
+import exr_picture
 
 DEPTH = 1e-4  # largest difference of depths, relative
 COSINE = 0.999  # least cosine between the normals
@@ -45,7 +45,7 @@ def main():
     parser.add_argument("--most-error", type=float, required=True, help="of each layer")
     parser.add_argument("--most-elsewhere", type=float, default=0.005, help="share of pixels with different surfaces")
     options = parser.parse_args()
-    (width, height, page), (*size, render) = exr_file.read(options.page), exr_file.read(options.render)
+    (width, height, page), (*size, render) = exr_picture.read(options.page), exr_picture.read(options.render)
     assert [width, height] == size, "sizes differ"
     same = same_surfaces(page, render)
     elsewhere = same.count(False) / len(same)

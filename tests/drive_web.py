@@ -15,7 +15,7 @@ import sys
 import threading
 
 import browser
-import exr_file
+import exr_picture
 
 SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WIDTH, HEIGHT = 640, 360
@@ -159,7 +159,7 @@ def read_light(page, output, options):
         traced, unresolved = sum(rays[0::4]), sum(rays[1::4])
         print("unresolved: %d of %d reflected rays" % (unresolved, traced))
         check(unresolved <= MOST_UNRESOLVED * traced, "%.2f %% of reflected rays are unresolved" % (100 * unresolved / traced))
-    exr_file.write(os.path.join(output, "page.exr"), WIDTH, HEIGHT, picture)
+    exr_picture.write(os.path.join(output, "page.exr"), WIDTH, HEIGHT, picture)
 
 
 def show_at_sizes(page, shot):

@@ -10,7 +10,7 @@ import math
 import struct
 import sys
 
-import exr_file
+import exr_picture
 
 
 def chunks(path):
@@ -109,7 +109,7 @@ def close(a, b):
 def check_exr(field_path, name, probe, projection, size, picture):
     side, texels = stored_map(chunks(field_path), name, int(probe))
     size = int(size) or (side // 2 if projection == "cube" else side)
-    width, height, channels = exr_file.read(picture)
+    width, height, channels = exr_picture.read(picture)
     pixels = list(zip(*(channels[n] for n in ("RGB" if len(channels) == 3 else "Y"))))
     assert (width, height) == {"octahedral": (side, side), "latlong": (2 * size, size), "cube": (size, 6 * size)}[projection]
     compared, doubtful = 0, 0

@@ -1,4 +1,4 @@
-"""OpenEXR pictures of one part, in scanlines of 32-bit floats: read plain or ZIP, written plain."""
+"""OpenEXR pictures of one part, in scanlines of 32-bit floats: read plain or ZIP, written plain. No package is needed."""
 import itertools
 import struct
 import zlib

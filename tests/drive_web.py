@@ -2,7 +2,7 @@
 """Use an exported page as a person would, in headless Chromium: drive_web.py FOLDER [OUTPUT-FOLDER] [options].
 
 Serves FOLDER on this machine, waits for diffuse and glossy light, uses every tool, and writes into OUTPUT-FOLDER what it looked like,
-page.exr with the layers of indirect light at 640x360, and times.json. Says every fault and exits with 1.
+page.exr with surfaces and their indirect light at 640x360, and times.json. Says every fault and exits with 1.
 """
 import argparse
 import base64
@@ -15,6 +15,7 @@ import sys
 import threading
 
 import browser
+import exr_picture
 
 SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WIDTH, HEIGHT = 640, 360
@@ -44,35 +45,17 @@ def serve(folder):
 # ---- Pictures
 
 
-def attribute(name, kind, value):
-    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
-
-
-def write_exr(path, layers):
-    """Uncompressed scan lines of 32-bit floats; `layers`: name to rows of RGBA, the lowest first."""
-    names = sorted("%s.%s" % (layer, channel) for layer in layers for channel in "RGB")
-    channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
-    window = struct.pack("<4i", 0, 0, WIDTH - 1, HEIGHT - 1)
-    header = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", channels)
-    header += attribute("compression", "compression", b"\0") + attribute("dataWindow", "box2i", window)
-    header += attribute("displayWindow", "box2i", window) + attribute("lineOrder", "lineOrder", b"\0")
-    header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1)) + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
-    header += attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
-    line_bytes = 4 * WIDTH * len(names)
-    first = len(header) + 8 * HEIGHT
-    with open(path, "wb") as file:
-        file.write(header + struct.pack("<%dQ" % HEIGHT, *(first + y * (8 + line_bytes) for y in range(HEIGHT))))
-        for y in range(HEIGHT):
-            file.write(struct.pack("<ii", y, line_bytes))
-            for name in names:
-                layer, channel = name.split(".")
-                row = layers[layer][4 * WIDTH * (HEIGHT - 1 - y):4 * WIDTH * (HEIGHT - y)]
-                file.write(struct.pack("<%df" % WIDTH, *row["RGB".index(channel)::4]))
-
-
 def read_layer(page, layer, samples):
     data = base64.b64decode(page.value("octalux.readLayer('%s', %d, %d, %d)" % (layer, WIDTH, HEIGHT, samples)))
     return struct.unpack("<%df" % (len(data) // 4), data)
+
+
+def channels_of(name, values, channels="RGB"):
+    """Channels by name, rows from the top down, of RGBA from the bottom up."""
+    def upright(plane):
+        return [value for y in reversed(range(HEIGHT)) for value in plane[y * WIDTH:(y + 1) * WIDTH]]
+
+    return {"%s.%s" % (name, channel): upright(values[i::4]) for i, channel in enumerate(channels)}
 
 
 # ---- The page
@@ -167,14 +150,16 @@ def watch_light(page, address, options):
 
 
 def read_light(page, output, options):
-    layers = {"indirect_diffuse": read_layer(page, "diffuse", 1)}
+    picture = channels_of("depth", read_layer(page, "depth", 1), "Z")
+    picture.update(channels_of("normal", read_layer(page, "normal", 1), "XYZ"))
+    picture.update(channels_of("indirect_diffuse", read_layer(page, "diffuse", 1)))
     if not options.no_glossy:
-        layers["indirect_glossy"] = read_layer(page, "glossy", SAMPLES)
+        picture.update(channels_of("indirect_glossy", read_layer(page, "glossy", SAMPLES)))
         rays = read_layer(page, "rays", 1)
         traced, unresolved = sum(rays[0::4]), sum(rays[1::4])
         print("unresolved: %d of %d reflected rays" % (unresolved, traced))
         check(unresolved <= MOST_UNRESOLVED * traced, "%.2f %% of reflected rays are unresolved" % (100 * unresolved / traced))
-    write_exr(os.path.join(output, "page.exr"), layers)
+    exr_picture.write(os.path.join(output, "page.exr"), WIDTH, HEIGHT, picture)
 
 
 def show_at_sizes(page, shot):

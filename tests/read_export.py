@@ -9,7 +9,8 @@ import json
 import math
 import struct
 import sys
-import zlib
+
+import exr_picture
 
 
 def chunks(path):
@@ -90,52 +91,7 @@ def stored_map(field, name, probe):
     return side, [[meaning(codes[(y + 1) * (side + 2) + x + 1], scale) for x in range(side)] for y in range(side)]
 
 
-# ---- OpenEXR: one part, scanlines, ZIP, 32-bit floats
-
-
-def unzip(data, size):
-    if len(data) == size:
-        return data
-    plain = bytearray(zlib.decompress(data))
-    for i in range(1, len(plain)):
-        plain[i] = plain[i - 1] + plain[i] - 128 & 255
-    middle = (size + 1) // 2
-    woven = bytearray(size)
-    woven[0::2], woven[1::2] = plain[:middle], plain[middle:]
-    return bytes(woven)
-
-
-def read_exr(path):
-    data = open(path, "rb").read()
-    assert struct.unpack_from("<II", data) == (20000630, 2), "not a plain EXR"
-    at, attributes = 8, {}
-    while data[at]:
-        name_end = data.index(0, at)
-        kind_end = data.index(0, name_end + 1)
-        size = struct.unpack_from("<I", data, kind_end + 1)[0]
-        attributes[data[at:name_end].decode()] = data[kind_end + 5:kind_end + 5 + size]
-        at = kind_end + 5 + size
-    low_x, low_y, high_x, high_y = struct.unpack("<4i", attributes["dataWindow"])
-    assert (low_x, low_y) == (0, 0) and attributes["compression"] == b"\3"
-    width, height = high_x + 1, high_y + 1
-    channels, c = [], attributes["channels"]
-    while c[0]:
-        end = c.index(0)
-        assert struct.unpack_from("<I", c, end + 1)[0] == 2, "not a 32-bit float"
-        channels.append(c[:end].decode())
-        c = c[end + 17:]
-    rows = [None] * height
-    for offset in struct.unpack_from("<%dQ" % ((height + 15) // 16), data, at + 1):
-        first, size = struct.unpack_from("<ii", data, offset)
-        lines = min(16, height - first)
-        block = unzip(data[offset + 8:offset + 8 + size], lines * width * 4 * len(channels))
-        values = struct.unpack("<%df" % (len(block) // 4), block)
-        for line in range(lines):
-            start = line * width * len(channels)
-            planes = {n: values[start + i * width:start + (i + 1) * width] for i, n in enumerate(channels)}
-            order = "RGB" if len(channels) == 3 else "Y"
-            rows[first + line] = list(zip(*(planes[n] for n in order)))
-    return width, height, rows
+# ---- OpenEXR
 
 
 def pixel_directions(projection, size, x, y):
@@ -153,7 +109,8 @@ def close(a, b):
 def check_exr(field_path, name, probe, projection, size, picture):
     side, texels = stored_map(chunks(field_path), name, int(probe))
     size = int(size) or (side // 2 if projection == "cube" else side)
-    width, height, rows = read_exr(picture)
+    width, height, channels = exr_picture.read(picture)
+    pixels = list(zip(*(channels[n] for n in ("RGB" if len(channels) == 3 else "Y"))))
     assert (width, height) == {"octahedral": (side, side), "latlong": (2 * size, size), "cube": (size, 6 * size)}[projection]
     compared, doubtful = 0, 0
     for y in range(height):
@@ -166,8 +123,9 @@ def check_exr(field_path, name, probe, projection, size, picture):
                     doubtful += 1
                     continue
                 column, row = min(int(u), side - 1), min(int(v), side - 1)
-            assert len(rows[y][x]) == len(texels[row][column])
-            assert all(close(a, b) for a, b in zip(rows[y][x], texels[row][column])), (x, y, rows[y][x], texels[row][column])
+            pixel, texel = pixels[y * width + x], texels[row][column]
+            assert len(pixel) == len(texel)
+            assert all(close(a, b) for a, b in zip(pixel, texel)), (x, y, pixel, texel)
             compared += 1
     assert compared > 3 * doubtful, "most pixels lie between texels"
     print(f"{name} of probe {probe}, {projection}: {compared} pixels")

@@ -1,7 +1,7 @@
 // The page that `octalux export web` writes: a room, its field, and controls for both.
 import {
-  ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, MeshStandardMaterial,
-  PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
+  ACESFilmicToneMapping, Box3, Color, DataTexture, InstancedMesh, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh,
+  MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector3, WebGLRenderer, PCFShadowMap,
 } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OctaluxField } from 'octalux';
@@ -10,8 +10,10 @@ import { addLamps } from './lamps.js';
 import { Picture } from './picture.js';
 import { Walk } from './walk.js';
 
-const MOST_PIXEL_RATIO = 2, SLOWEST_FRAME = 1 / 20, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, TOO_SLOW = 0.25, STILL_SECONDS = 0.25, KEY = 0.2;
-const LAYERS = ['picture', 'diffuse', 'glossy', 'rays']; // olx_layer of shading.js
+const MOST_PIXEL_RATIO = 2, FIRST_PIXELS = 5000, LEAST_SCALE = 0.3, LEAST_SHARE = 1 / 32, KEY = 0.2;
+const SLOWEST_FRAME = 1 / 20, TOO_SLOW = 0.25, STILL_SECONDS = 0.25;
+const PATIENCE_MS = 200; // within this time glossy light comes before larger pictures, which slow devices draw for long
+const LAYERS = ['picture', 'diffuse', 'glossy', 'rays', 'depth', 'normal']; // olx_layer of shading.js
 
 const AXES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].map((axis) => new Vector3(...axis));
 
@@ -31,7 +33,8 @@ const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [d
 const picture = new Picture(renderer), shadowed = new Vector3(NaN); // position of the ball when shadows were last drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
 let glossyMoves = true; // whether reflections are drawn while things move
-let pending = null, begun = 0; // fence of the frame that the device is drawing, and its start
+let isDrawn = () => true, begun = 0; // whether the device has drawn the last frame, and its start
+let drawing = false; // whether frames are drawn
 
 function changed() {
   lastChange = seconds();
@@ -161,21 +164,16 @@ function place() {
   byId('line').style.left = `${split.value / 10}%`;
 }
 
-// Returns whether the device is still drawing the last frame. Calls return long before it is done, so only this shows
-// how long a frame takes, and without it frames would queue up.
-function isBusy() {
-  const gl = renderer.getContext();
-  if (!pending || gl.getSyncParameter(pending, gl.SYNC_STATUS) !== gl.SIGNALED) return pending !== null;
-  gl.deleteSync(pending);
-  pending = null;
-  return false;
-}
-
+// Returns a function that tells whether the device has done all that was called until now. Calls return long before it
+// is done, so only this shows how long a frame takes, and without it frames would queue up.
 function submit() {
-  const gl = renderer.getContext();
-  pending = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  const gl = renderer.getContext(), fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
-  begun = seconds();
+  return () => {
+    const done = gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+    if (done) gl.deleteSync(fence);
+    return done;
+  };
 }
 
 function draw() {
@@ -183,24 +181,33 @@ function draw() {
   const now = seconds();
   walk.advance(Math.min(now - lastFrame, 0.2));
   lastFrame = now;
-  if (isBusy()) return;
+  if (!isDrawn()) return;
+  isDrawn = () => true;
   const moving = isMoving(), rows = chooseSize(begun ? now - begun : SLOWEST_FRAME, moving);
   begun = 0;
   if (picture.settled) return;
   place();
   picture.draw(moving && !glossyMoves ? [depth, scene] : scenes, camera, field, rows);
-  submit();
+  isDrawn = submit();
+  begun = seconds();
   state.frames++;
 }
 
 // ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while the
 // user looks around.
 
-// Draws a small picture first: the time of frames shows how much the device can draw.
-function drawFirst() {
+// Draws a small picture, and waits until the device has drawn it.
+async function drawFirst() {
   place();
-  resizePicture(LEAST_SCALE);
+  resizePicture(Math.min(LEAST_SCALE, Math.sqrt(FIRST_PIXELS / (innerWidth * innerHeight)) / renderer.getPixelRatio()));
   picture.draw(scenes, camera, field);
+  const isDone = submit();
+  while (!isDone()) await new Promise(requestAnimationFrame);
+}
+
+function beginDrawing() {
+  if (!drawing) requestAnimationFrame(draw);
+  drawing = true;
 }
 
 // Gives every material the same set of textures, white ones where it has none: each set needs a shader of its own, and
@@ -331,23 +338,27 @@ async function start() {
   addDepth();
   addDiffuseLight();
   await compile(scene);
-  drawFirst();
+  await drawFirst();
   renderer.toneMappingExposure = KEY / picture.meanLuminance();
   haveTools();
-  draw();
   state.diffuseSeconds = seconds();
   state.stage = 'diffuse';
   byId('loading').hidden = !field.info.glossy;
-  if (!field.info.glossy) return;
+  if (!field.info.glossy) {
+    beginDrawing();
+    return;
+  }
   byId('loading').className = 'small';
   showProgress('Preparing glossy light', null);
   await new Promise((shown) => setTimeout(shown, 50));
   addGlossyLight();
+  setTimeout(beginDrawing, PATIENCE_MS);
   await compile(shine);
   scenes.push(shine);
   field.uniforms.olx_emitters.value = !hasLights;
   changed();
-  drawFirst();
+  await drawFirst();
+  beginDrawing();
   state.glossySeconds = seconds();
   state.stage = 'whole';
   byId('loading').hidden = true;
@@ -359,8 +370,18 @@ function base64Of(bytes) {
   return btoa(text);
 }
 
-// Returns one layer of indirect light as `octalux render --centered` renders it with so many glossy samples, or for
-// 'rays' the shares of samples that trace a ray and that stay unresolved: RGBA floats in base64.
+// Sets how textures are read where they are shown smaller than they are.
+function filterTextures(minFilter) {
+  room.traverse((mesh) => {
+    for (const texture of Object.values(mesh.material ?? {})) {
+      if (!texture?.isTexture || !texture.generateMipmaps || texture.minFilter === minFilter) continue;
+      Object.assign(texture, { minFilter, needsUpdate: true });
+    }
+  });
+}
+
+// Returns one layer as `octalux render --centered` renders it with so many glossy samples, or for 'rays' the shares of
+// samples that trace a ray and that stay unresolved: RGBA floats in base64.
 function readLayer(layer, width, height, samples) {
   const { uniforms } = field, before = { emitters: uniforms.olx_emitters.value, left: uniforms.olx_left.value };
   const shot = camera.clone();
@@ -371,7 +392,9 @@ function readLayer(layer, width, height, samples) {
   uniforms.olx_emitters.value = false;
   uniforms.olx_left.value = 0;
   ball.visible = false;
+  filterTextures(LinearFilter); // as octalux render, which averages texels by more rays a pixel
   const pixels = picture.read(scenes, shot, field, width, height, samples);
+  filterTextures(LinearMipmapLinearFilter);
   ball.visible = true;
   uniforms.olx_layer.value = 0;
   uniforms.olx_emitters.value = before.emitters;

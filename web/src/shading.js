@@ -28,8 +28,11 @@ uniform float olx_left;        // pixels left of this column have none
 uniform vec4 olx_viewport;     // where the picture begins, and its width and height: pixels
 uniform uint olx_sample_index; // of the frame: another draw of them
 uniform bool olx_emitters;     // rays find lamps, in place of highlights of lights
-uniform int olx_layer;         // what is shown: 0 the picture, 1 diffuse, 2 glossy indirect light alone, 3 rays
+uniform int olx_layer;         // what is shown, and computed: 0 the picture, 1 diffuse, 2 glossy indirect light alone,
+                               // 3 rays, 4 depth, 5 normals
 uniform mat4 projectionMatrix;
+// Least cosines of a shading normal: to the triangle's normal, and to the direction of the eye.
+const float OLX_LEAST_NORMAL_COSINE = 0.01, OLX_LEAST_VIEW_COSINE = 1e-3;
 vec3 olx_shown = vec3(0.0);
 
 // The point of a sequence that a pixel draws, as \`octalux render\` draws it.
@@ -39,16 +42,57 @@ vec2 olx_pixel_random() {
   return olx_stratified2(olx_sample_index, olx_hash2(olx_hash2(pixel.x, pixel.y), OLX_SALT_BRANCH + OLX_GLOSSY_BRANCH));
 }
 
+// The middle of the pixel, from -1 to 1 over the picture.
+vec2 olx_pixel_middle() { return (gl_FragCoord.xy - olx_viewport.xy) / olx_viewport.zw * 2.0 - 1.0; }
+
 // Where the ray through the middle of the pixel meets the plane of the triangle. What is interpolated lies on that
 // plane, but beside that point: devices first move corners to parts of a pixel, a sixteenth or less.
 vec3 olx_pixel_position() {
   vec3 drawn = olx_world_position, x = dFdx(drawn), y = dFdy(drawn), plane = cross(x, y);
-  vec2 at = (gl_FragCoord.xy - olx_viewport.xy) / olx_viewport.zw * 2.0 - 1.0;
-  vec2 across = (at + projectionMatrix[2].xy) / vec2(projectionMatrix[0].x, projectionMatrix[1].y);
+  vec2 across = (olx_pixel_middle() + projectionMatrix[2].xy) / vec2(projectionMatrix[0].x, projectionMatrix[1].y);
   vec3 ray = vec3(across, -1.0) * mat3(viewMatrix);
   vec3 moved = cameraPosition + ray * (olx_dot(drawn - cameraPosition, plane) / olx_dot(ray, plane)), by = moved - drawn;
   bool near = olx_dot(by, by) <= olx_dot(x, x) + olx_dot(y, y); // false also where the plane is seen from its side
   return near && !isOrthographic ? moved : drawn;
+}
+
+// Returns the change of an interpolated value from the point that was drawn to the middle of the pixel.
+vec3 olx_pixel_change(vec3 value) {
+  vec4 drawn = projectionMatrix * (viewMatrix * vec4(olx_world_position, 1.0));
+  vec2 pixels = (olx_pixel_middle() - drawn.xy / drawn.w) * 0.5 * olx_viewport.zw;
+  vec3 change = dFdx(value) * pixels.x + dFdy(value) * pixels.y;
+  return all(lessThanEqual(abs(pixels), vec2(1.0))) ? change : vec3(0.0);
+}
+
+// Returns a vector turned towards a unit vector \`to\` until their cosine is \`least\` or nearly so.
+vec3 olx_turned(vec3 normal, vec3 to, float least) {
+  float cosine = olx_dot(normal, to);
+  return cosine < least ? olx_normalize(normal + to * (least - cosine)) : normal;
+}
+
+// The normals of a surface, all on the side of the triangle that the eye sees, as those of \`octalux render\`.
+struct olx_normals {
+  vec3 geometric, vertex, shading; // of the triangle, interpolated over it, and bent by a normal map
+};
+
+// Takes three.js's normals in the space of the eye. They lie where the triangle's winding says, which those of a model
+// may contradict, and at outlines interpolated ones may face away from the triangle's visible side.
+olx_normals olx_normals_from(vec3 vertex, vec3 shading, vec3 view) {
+  vec3 drawn = vertex;
+  #ifndef FLAT_SHADED
+  vertex = olx_normalize(vNormal + olx_pixel_change(vNormal));
+  if (olx_dot(vertex, drawn) < 0.0) vertex = -vertex;
+  #endif
+  shading = inverseTransformDirection(shading + vertex - drawn, viewMatrix);
+  vertex = inverseTransformDirection(vertex, viewMatrix);
+  vec3 across = cross(dFdx(olx_world_position), dFdy(olx_world_position));
+  vec3 geometric = olx_normalize(olx_dot(across, view) < 0.0 ? -across : across);
+  if (olx_dot(vertex, geometric) < 0.0) {
+    shading -= vertex * (2.0 * olx_dot(shading, vertex));
+    vertex = -vertex;
+  }
+  return olx_normals(geometric, olx_turned(vertex, geometric, OLX_LEAST_NORMAL_COSINE),
+                     olx_turned(shading, geometric, OLX_LEAST_NORMAL_COSINE));
 }
 `;
 
@@ -57,7 +101,8 @@ const FRAGMENT = `
 {
   vec3 olx_place = olx_pixel_position(), olx_position = olx_place - olx_offset, olx_view = normalize(cameraPosition - olx_place);
   if (isOrthographic) olx_view = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
-  vec3 olx_normal = inverseTransformDirection(normal, viewMatrix);
+  olx_normals olx_sides = olx_normals_from(nonPerturbedNormal, normal, olx_view);
+  vec3 olx_normal = olx_turned(olx_sides.shading, olx_view, OLX_LEAST_VIEW_COSINE); // towards the eye
   float olx_specular = 1.0;
   #ifdef USE_SPECULAR
   olx_specular = specularIntensityFactor;
@@ -71,14 +116,14 @@ const FRAGMENT = `
   #ifdef OLX_MOVING
   olx_diffuse *= olx_volume_irradiance(olx_position, olx_normal);
   #else
-  vec3 olx_across = cross(dFdx(olx_world_position), dFdy(olx_world_position));
-  vec3 olx_geometric = olx_normalize(olx_dot(olx_across, olx_view) < 0.0 ? -olx_across : olx_across);
-  vec3 olx_vertex = inverseTransformDirection(nonPerturbedNormal, viewMatrix);
-  olx_diffuse *= olx_surface_light_at(olx_settings, olx_position, olx_geometric, olx_vertex, olx_normal, olx_view).irradiance;
+  if (olx_layer < 2) {
+    olx_diffuse *= olx_surface_light_at(olx_settings, olx_position, olx_sides.geometric, olx_sides.vertex, olx_sides.shading,
+                                        olx_view).irradiance;
+  }
   #endif
   #endif
   #ifdef OLX_GLOSSY
-  if (olx_bsdf_has_specular(olx_lobes)) {
+  if (olx_layer != 1 && olx_layer < 4 && olx_bsdf_has_specular(olx_lobes)) {
     float olx_weight, olx_half_cosine;
     olx_trace_hit olx_hit;
     olx_glossy_light = olx_glossy(olx_settings, olx_position, olx_normal, olx_view, roughnessFactor, olx_pixel_random(),
@@ -94,7 +139,10 @@ const FRAGMENT = `
   }
   if (olx_lit && olx_emitters) reflectedLight.directSpecular *= 1.0 - olx_strength.y;
   olx_shown = olx_layer == 1 ? olx_diffuse : olx_layer == 3 ? olx_rays : olx_glossy_light;
-  #ifndef OLX_DIFFUSE
+  #ifdef OLX_DIFFUSE
+  if (olx_layer == 4) olx_shown = vec3(-(viewMatrix * vec4(olx_place, 1.0)).z);
+  if (olx_layer == 5) olx_shown = olx_sides.shading;
+  #else
   if (olx_layer == 0) olx_shown = olx_lit ? olx_glossy_light * olx_strength.y : vec3(0.0);
   #endif
 }

@@ -403,7 +403,7 @@ static olx_result make_final(olx_scene_light *l) {
   return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
 }
 
-// Returns the units whose results the next step adds up.
+// Loads what the final rays of all parts brought; a whole bake has it.
 static olx_result load_final_units(olx_scene_light *l) {
   final_stage f = {.light = l};
   const olx_unit_stage stage = final_of(&f);

@@ -495,6 +495,7 @@ static void load_patches(olx_scene_light *l, olx_byte_reader *from) {
   for (uint32_t round = 0; round < OLX_LIGHT_HIDDEN_ROUNDS; round++) {
     olx_link_patch *patch = &l->patches[round];
     olx_bytes_copy(from, &patch->count, 1, sizeof patch->count);
+    if (patch->count == 0) continue;
     patch->links = olx_bytes_take(from, patch->count, sizeof *patch->links);
     patch->fixed = olx_bytes_take(from, patch->count, sizeof *patch->fixed);
   }

@@ -13,7 +13,7 @@ import re
 import sys
 
 FUNCTION = re.compile(r"^\w+ (\w+)\(", re.MULTILINE)
-# The parts of a shader for WebGL2, up to those for Vulkan in their place: no parity test runs in WebGL2.
+# Matches what only WebGL2 compiles of a shader. No parity test runs in WebGL2.
 WEB = re.compile(r"^#ifdef GL_ES$.*?^#(else|endif)$", re.MULTILINE | re.DOTALL)
 # A twin: one file, or all files of the folder that has the shader's stem for its name.
 TWIN = re.compile(r"Twin of (src/\w+/(\w+)\.[ch]|src/(\w+)/\*\.c)\b")

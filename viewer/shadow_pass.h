@@ -11,8 +11,8 @@ typedef struct shadow_pass {
   uint32_t left_out; // lights that exceed the capacity of a lamp_list
   lamp_view *views;
   gpu_image maps;      // D32_SFLOAT; between passes in VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL
-  gpu_buffer lamps;    // lamp_count lamps
-  gpu_buffer matrices; // view_count lamp_views
+  gpu_buffer lamps;    // an array of lamp_count lamps
+  gpu_buffer matrices; // an array of view_count lamp_views
   VkRenderPass render_pass;
   VkImageView *layers;
   VkFramebuffer *framebuffers;

@@ -125,8 +125,8 @@ typedef struct olx_vulkan_targets {
   // The normal interpolated between the triangle's corners, on the side towards the eye; `normal` is this one bent by
   // normal maps. None: `normal` replaces it, and normal maps do not show in stored light.
   olx_vulkan_image vertex_normal;
-  // .r is above 0.5 where a pixel shows an object that was not there when the field was baked, or has moved since: it
-  // takes the irradiance volume. None: there is no such object.
+  // An image whose red channel is above 0.5 where a pixel shows an object that was not there when the field was baked,
+  // or has moved since: such pixels take the irradiance volume. None: there is no such object.
   olx_vulkan_image dynamic;
   VkImageView irradiance; // out: W/m^2; alpha 1 where there is a surface
   VkImageView glossy;     // out: radiance towards the eye; alpha: the share of resolved rays

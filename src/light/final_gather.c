@@ -8,7 +8,7 @@
 
 enum { SURFELS_PER_JOB = 4 };
 
-// Begins with what links brought.
+// Makes the sums of visible surfels, and fills them with what links brought.
 static olx_result begin(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
   float *variance = olx_allocate(count, sizeof *variance);

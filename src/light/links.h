@@ -37,7 +37,7 @@ void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, siz
 // Returns the point of the unit square from which a surfel's unguided ray was generated.
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);
 
-// What rays of a surfel bring.
+// The sum of what several rays of a surfel bring.
 typedef struct olx_ray_sum {
   olx_vec3 light; // sum over rays of irradiance times the ray's worth, W/m^2
   float squares;  // sum of the squared deviations of that luminance from its mean

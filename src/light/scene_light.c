@@ -107,7 +107,7 @@ olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
   return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
 }
 
-// Casts rays of the point's own.
+// Returns the irradiance of a point by `batches` times OLX_GATHER_RAYS rays of its own.
 static olx_vec3 gather(const olx_scene_light *l, const olx_surface *surface, uint32_t batches, olx_gather_row *row) {
   const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
   const uint32_t seed = olx_hash3(l->surfels.seed ^ (uint32_t)key, (uint32_t)(key >> 32), SALT_GATHER);

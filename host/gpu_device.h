@@ -62,7 +62,7 @@ void gpu_device_close(gpu_device *device);
 // Prints one line per device to standard output: index, name, driver. Opens no device.
 bool gpu_device_list(gpu_device *device);
 
-// Both store a message and return false. The second adds the meaning of Vulkan's result.
+// gpu_fail stores a message, and gpu_fail_result one with the meaning of Vulkan's result; both return false.
 bool gpu_fail(gpu_device *device, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool gpu_fail_result(gpu_device *device, VkResult result, const char *what);
 // Returns true for success; otherwise stores the message of gpu_fail_result, or the library's last error.

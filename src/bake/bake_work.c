@@ -98,7 +98,7 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add(&manifest, "build", olx_name_build().text);
   add_machine(&manifest, scene);
   olx_manifest_add(&manifest, "capture", settings->raster ? settings->raster->name : "rays");
-  // In the order of the bits in scene_parts.h.
+  // Parts of the scene are listed in the order of their bits in scene_parts.h.
   olx_manifest_add_hash(&manifest, "geometry", parts.geometry);
   olx_manifest_add_hash(&manifest, "materials", parts.materials);
   olx_manifest_add_hash(&manifest, "lights", parts.lights);

@@ -68,7 +68,7 @@ void olx_fixtures_leave(const olx_render_context *context, olx_vec3 direction, f
   if (!(olx_max3(near.here) > 0.0f)) return;
   const olx_bsdf bsdf = olx_texel_material(field, hit->probe, hit->texel);
   const float reflected = olx_luminance(olx_mul(olx_bsdf_matte(&bsdf).albedo, near.here)) * (1.0f / OLX_PI);
-  // Densities on the surface.
+  // Both densities are per square metre of the surface that the ray hit.
   const float of_points = reflected / lamps->light, of_ray = density * cosine / olx_square(hit->distance_metres);
   const float taken = of_points / (of_points + of_ray);
   const olx_vec3 stored = olx_texel_direct(field, hit->probe, hit->texel);

@@ -38,7 +38,7 @@ typedef struct olx_shade_batch {
   float scattered[OLX_BATCH_POINTS];
 } olx_shade_batch;
 
-// A ray that reflects light to a point of the first batch.
+// A ray along which light is reflected to a point of olx_shade_scratch.roots.
 typedef struct olx_shade_path {
   uint32_t root, from; // indices of the points that receives the light at last, and that the ray leaves
   bool diffuse;        // drawn from the diffuse lobe: brings light of emitters and the sky only

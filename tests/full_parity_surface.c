@@ -86,13 +86,24 @@ static fallen fall_back(const parity_state *s) {
   return f;
 }
 
+// Returns a probe of the point's brick, or of its cage in a field without bricks; UINT32_MAX: there is none.
+static uint32_t near_probe(const parity_state *s, const surface_state *e, uint32_t place) {
+  const olx_field *field = s->field;
+  if (field->bricks.header) {
+    const uint32_t probe = olx_bricks_probe(olx_bricks_list(&field->bricks, e->p.position), place);
+    return probe == OLX_BRICK_NO_PROBE ? UINT32_MAX : probe;
+  }
+  const olx_cage cage = olx_cage_at(&field->info.probes.grid, e->p.position);
+  return olx_cage_has(&cage, place) ? olx_cage_probe(&field->info.probes.grid, &cage, place) : UINT32_MAX;
+}
+
 static void put_ranking(const parity_state *s, const surface_state *e, parity_result *r) {
   olx_sample_settings settings = s->settings;
   settings.max_probes = OLX_MOST_RANKED;
   ranking list;
   if (s->bits[3] & 1u) rank_all(s->field, &settings, &e->p, &list);
   else rank_near(s->field, &settings, &e->p, &list);
-  for (uint32_t i = 0; i < 3; i++) {
+  for (uint32_t i = 0; i < 6; i++) {
     put_u(r, i < list.count ? list.probes[i].probe : UINT32_MAX);
     put_f(r, i < list.count ? list.probes[i].weight : 0.0f);
   }
@@ -139,7 +150,9 @@ SURFACE_ROW(texel_indirect, put_3(r, olx_texel_indirect(s->field, s->probe, texe
 SURFACE_ROW(rank_weight, put_f(r, rank_weight(s->field, &s->settings, &e->p, s->probe));)
 SURFACE_ROW(has_bricks, put_u(r, s->field->bricks.header != NULL);)
 SURFACE_ROW(ranked_count, put_u(r, 8); put_u(r, s->field->info.probes.count);)
-SURFACE_ROW(next_ranked, put_ranking(s, e, r);)
+SURFACE_ROW(ranked_probe, put_u(r, near_probe(s, e, s->bits[2] % 8));
+    put_u(r, s->bits[2] % s->field->info.probes.count);)
+SURFACE_ROW(rank_next, put_ranking(s, e, r);)
 SURFACE_ROW(view_from, put_3(r, e->view.offset); put_3(r, e->view.normal); put_f(r, e->view.angle);
     put_f(r, e->view.miss);
     const uint32_t side = s->constants->maps_a_side; const uint32_t map = s->probe % (side * side);
@@ -206,7 +219,8 @@ static const parity_row ROWS[] = {
     PARITY(rank_weight, 1e-5f, 1e-3),
     PARITY(has_bricks, 0, 0),
     PARITY(ranked_count, 0, 0),
-    PARITY(next_ranked, 1e-5f, 1e-3),
+    PARITY(ranked_probe, 0, 1e-4),
+    PARITY(rank_next, 1e-5f, 1e-3),
     PARITY(view_from, 1e-5f, 1e-3),
     PARITY(see_texel, 1e-5f, 1e-3),
     PARITY(packing_error, 1e-5f, 1e-3),

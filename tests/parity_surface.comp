@@ -25,10 +25,13 @@ void derive_place() {
 void put_ranked() {
   bool all = (bits.w & 1u) != 0u;
   uint list = olx_has_bricks() ? olx_bricks_list(place) : 0u;
-  olx_ranked_probe last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
-  for (uint i = 0u; i < 3u; i++) {
-    last = olx_next_ranked(settings, place, geometric, all, list, last);
-    put(last.probe), put(last.weight);
+  olx_cage cage = olx_cage_at(olx_field.grid, place);
+  olx_ranking ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
+  for (uint i = 0u; i < 6u; i++) {
+    if (i % 4u == 0u) ranking = olx_rank_next(settings, place, geometric, all, list, ranking);
+    uint at = ranking.places[i % 4u], ranked = OLX_NO_PROBE;
+    if (at != OLX_NO_PLACE) ranked = olx_ranked_probe(all, list, cage, at);
+    put(ranked), put(ranked != OLX_NO_PROBE ? olx_rank_weight(settings, place, geometric, ranked) : 0.0);
   }
 }
 
@@ -56,7 +59,13 @@ void surface_rows() {
   case ROW_olx_rank_weight: put(olx_rank_weight(settings, place, geometric, probe)); break;
   case ROW_olx_has_bricks: put(olx_has_bricks()); break;
   case ROW_olx_ranked_count: put(olx_ranked_count(false)), put(olx_ranked_count(true)); break;
-  case ROW_olx_next_ranked: put_ranked(); break;
+  case ROW_olx_ranked_probe: {
+    uint in_list = bits.z % olx_ranked_count(false), any = bits.z % olx_field.probe_count;
+    olx_cage cage = olx_cage_at(olx_field.grid, place);
+    uint list = olx_has_bricks() ? olx_bricks_list(place) : 0u;
+    put(olx_ranked_probe(false, list, cage, in_list)), put(olx_ranked_probe(true, list, cage, any));
+  } break;
+  case ROW_olx_rank_next: put_ranked(); break;
   case ROW_olx_view_from: put(v.offset), put(v.normal), put(v.angle), put(v.miss), put(v.map); break;
   case ROW_olx_see_texel: put(olx_see_texel(v, first)); break;
   case ROW_olx_packing_error: put(olx_packing_error(olx_see_texel(v, texel))); break;

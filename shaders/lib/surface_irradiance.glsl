@@ -1,6 +1,6 @@
 // Twin of src/shade/surface_irradiance.c: interpolates diffuse light of static surfaces from those probes near a point
-// that see its own surface, else a surface close to it. The C code sorts the probes before it reads them; here each
-// iteration finds the best probe below the last one, because a sorted list would lie in memory.
+// that see its own surface, else a surface close to it. The C code sorts all probes before it reads them; here they are
+// found four at a time, because a longer list would lie in memory.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SURFACE_IRRADIANCE_GLSL
@@ -15,10 +15,12 @@
 // Sources of light, as bits.
 const uint OLX_SOURCE_TEXELS = 1u, OLX_SOURCE_VOLUME = 2u, OLX_SOURCE_PROBES = 4u;
 
-struct olx_ranked_probe {
-  uint place; // among the ranked probes
-  uint probe;
-  float weight; // cosine / r^2; 0: no probe
+const uint OLX_NO_PLACE = 0xFFFFFFFFu;
+
+// Four probes among those near a point or among all, best first.
+struct olx_ranking {
+  uvec4 places;
+  float least; // weight of the last (olx_rank_weight)
 };
 
 // A point relative to a probe.
@@ -74,24 +76,40 @@ uint olx_ranked_count(bool all) {
   return olx_has_bricks() || olx_field.grid.count.w > 0u ? OLX_BRICK_PROBES : 0u;
 }
 
-// Returns the best of the probes ranked after `last`; of equal probes, the first. `list` is that of the point's brick.
-olx_ranked_probe olx_next_ranked(olx_sample_settings settings, vec3 position, vec3 normal, bool all, uint list,
-                                 olx_ranked_probe last) {
-  bool bricks = olx_has_bricks();
+// Returns the probe at a place among those that are ranked, or OLX_NO_PROBE; `list` and `cage` are those of the point.
+uint olx_ranked_probe(bool all, uint list, olx_cage cage, uint place) {
+  uint probe = place;
+  if (!all && olx_has_bricks()) {
+    probe = olx_bricks_probe(list, place);
+    if (probe == OLX_BRICK_NO_PROBE) probe = OLX_NO_PROBE;
+  } else if (!all) {
+    probe = olx_cage_has(cage, place) ? olx_cage_probe(olx_field.grid, cage, place) : OLX_NO_PROBE;
+  }
+  return probe;
+}
+
+// Returns the best four of the probes that come after those of `before`. Of equal probes the first comes first.
+olx_ranking olx_rank_next(olx_sample_settings settings, vec3 position, vec3 normal, bool all, uint list,
+                          olx_ranking before) {
   olx_cage cage = olx_cage_at(olx_field.grid, position);
-  olx_ranked_probe best = olx_ranked_probe(0u, OLX_NO_PROBE, 0.0);
+  uvec4 places = uvec4(OLX_NO_PLACE);
+  vec4 weights = vec4(0.0);
   uint count = olx_ranked_count(all);
   for (uint i = 0u; i < count; i++) {
-    uint probe = i;
-    if (!all) {
-      probe = bricks ? olx_bricks_probe(list, i) : olx_cage_probe(olx_field.grid, cage, i);
-      if (bricks ? probe == OLX_BRICK_NO_PROBE : !olx_cage_has(cage, i)) probe = OLX_NO_PROBE;
-    }
+    uint probe = olx_ranked_probe(all, list, cage, i);
     float weight = probe != OLX_NO_PROBE ? olx_rank_weight(settings, position, normal, probe) : 0.0;
-    bool after = weight < last.weight || (weight == last.weight && i > last.place);
-    if (after && weight > best.weight) best = olx_ranked_probe(i, probe, weight);
+    bool after = weight < before.least || (weight == before.least && i > before.places.w);
+    if (after && weight > weights.w) {
+      weights.w = weight, places.w = i;
+      bool better = weights.w > weights.z;
+      weights = better ? weights.xywz : weights, places = better ? places.xywz : places;
+      better = weights.z > weights.y;
+      weights = better ? weights.xzyw : weights, places = better ? places.xzyw : places;
+      better = weights.y > weights.x;
+      weights = better ? weights.yxzw : weights, places = better ? places.yxzw : places;
+    }
   }
-  return best;
+  return olx_ranking(places, weights.w);
 }
 
 olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
@@ -208,15 +226,20 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
   bool all = settings.select == OLX_SELECT_EXHAUSTIVE;
   uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
   uint list = olx_has_bricks() ? olx_bricks_list(position) : 0u;
-  olx_ranked_probe last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
+  olx_ranking ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
   bool searching = most > 0u;
   while (searching) {
-    last = olx_next_ranked(settings, position, normal, all, list, last);
-    bool more = last.weight > OLX_BLEND_ABOVE * b.best;
+    if (tried % 4u == 0u) ranking = olx_rank_next(settings, position, normal, all, list, ranking);
+    uint place = ranking.places[tried % 4u], probe = OLX_NO_PROBE;
+    if (place != OLX_NO_PLACE) {
+      probe = olx_ranked_probe(all, list, olx_cage_at(olx_field.grid, position), place);
+    }
+    float weight = probe != OLX_NO_PROBE ? olx_rank_weight(settings, position, normal, probe) : 0.0;
+    bool more = weight > OLX_BLEND_ABOVE * b.best;
     if (more) {
       olx_sample_settings allowed = settings;
       allowed.surface_tolerance += stored ? 0.0 : OLX_NEAR_SURFACE;
-      olx_blend_add(b, olx_read_texels(allowed, last.probe, position, normal), last.weight);
+      olx_blend_add(b, olx_read_texels(allowed, probe, position, normal), weight);
       tried++;
       more = tried < most && b.count < OLX_MOST_BLENDED;
     }
@@ -225,7 +248,7 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
       if (searching && all) stored = false;
       all = !all;
       tried = 0u;
-      last = olx_ranked_probe(0u, 0u, OLX_INFINITY);
+      ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
     }
   }
   return b;

@@ -26,10 +26,10 @@ void put_ranked() {
   bool all = (bits.w & 1u) != 0u;
   uint list = olx_has_bricks() ? olx_bricks_list(place) : 0u;
   olx_cage cage = olx_cage_at(olx_field.grid, place);
-  olx_ranking ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
+  olx_ranking ranking = olx_ranking(0u, 0u, OLX_INFINITY);
   for (uint i = 0u; i < 6u; i++) {
-    if (i % 4u == 0u) ranking = olx_rank_next(settings, place, geometric, all, list, ranking);
-    uint at = ranking.places[i % 4u], ranked = OLX_NO_PROBE;
+    if (i % 2u == 0u) ranking = olx_rank_next(settings, place, geometric, all, list, ranking);
+    uint at = i % 2u == 0u ? ranking.better : ranking.worse, ranked = OLX_NO_PROBE;
     if (at != OLX_NO_PLACE) ranked = olx_ranked_probe(all, list, cage, at);
     put(ranked), put(ranked != OLX_NO_PROBE ? olx_rank_weight(settings, place, geometric, ranked) : 0.0);
   }

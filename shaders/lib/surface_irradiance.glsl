@@ -1,6 +1,6 @@
 // Twin of src/shade/surface_irradiance.c: interpolates diffuse light of static surfaces from those probes near a point
 // that see its own surface, else a surface close to it. The C code sorts all probes before it reads them; here they are
-// found four at a time, because a longer list would lie in memory.
+// found two at a time, because a list would lie in memory.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OLX_SURFACE_IRRADIANCE_GLSL
@@ -17,10 +17,10 @@ const uint OLX_SOURCE_TEXELS = 1u, OLX_SOURCE_VOLUME = 2u, OLX_SOURCE_PROBES = 4
 
 const uint OLX_NO_PLACE = 0xFFFFFFFFu;
 
-// Four probes among those near a point or among all, best first.
+// Two probes among those near a point or among all.
 struct olx_ranking {
-  uvec4 places;
-  float least; // weight of the last (olx_rank_weight)
+  uint better, worse; // places; OLX_NO_PLACE: there are no more probes
+  float least;        // weight of the second (olx_rank_weight)
 };
 
 // A point relative to a probe.
@@ -88,28 +88,26 @@ uint olx_ranked_probe(bool all, uint list, olx_cage cage, uint place) {
   return probe;
 }
 
-// Returns the best four of the probes that come after those of `before`. Of equal probes the first comes first.
+// Returns the best two of the probes that come after those of `before`. Of equal probes the first comes first.
 olx_ranking olx_rank_next(olx_sample_settings settings, vec3 position, vec3 normal, bool all, uint list,
                           olx_ranking before) {
   olx_cage cage = olx_cage_at(olx_field.grid, position);
-  uvec4 places = uvec4(OLX_NO_PLACE);
-  vec4 weights = vec4(0.0);
+  olx_ranking next = olx_ranking(OLX_NO_PLACE, OLX_NO_PLACE, 0.0);
+  float most = 0.0;
   uint count = olx_ranked_count(all);
   for (uint i = 0u; i < count; i++) {
     uint probe = olx_ranked_probe(all, list, cage, i);
     float weight = probe != OLX_NO_PROBE ? olx_rank_weight(settings, position, normal, probe) : 0.0;
-    bool after = weight < before.least || (weight == before.least && i > before.places.w);
-    if (after && weight > weights.w) {
-      weights.w = weight, places.w = i;
-      bool better = weights.w > weights.z;
-      weights = better ? weights.xywz : weights, places = better ? places.xywz : places;
-      better = weights.z > weights.y;
-      weights = better ? weights.xzyw : weights, places = better ? places.xzyw : places;
-      better = weights.y > weights.x;
-      weights = better ? weights.yxzw : weights, places = better ? places.yxzw : places;
+    bool after = weight < before.least || (weight == before.least && i > before.worse);
+    if (after && weight > most) {
+      next = olx_ranking(i, next.better, most);
+      most = weight;
+    } else if (after && weight > next.least) {
+      next.worse = i;
+      next.least = weight;
     }
   }
-  return olx_ranking(places, weights.w);
+  return next;
 }
 
 olx_probe_view olx_view_from(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
@@ -226,11 +224,11 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
   bool all = settings.select == OLX_SELECT_EXHAUSTIVE;
   uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
   uint list = olx_has_bricks() ? olx_bricks_list(position) : 0u;
-  olx_ranking ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
+  olx_ranking ranking = olx_ranking(0u, 0u, OLX_INFINITY);
   bool searching = most > 0u;
   while (searching) {
-    if (tried % 4u == 0u) ranking = olx_rank_next(settings, position, normal, all, list, ranking);
-    uint place = ranking.places[tried % 4u], probe = OLX_NO_PROBE;
+    if (tried % 2u == 0u) ranking = olx_rank_next(settings, position, normal, all, list, ranking);
+    uint place = tried % 2u == 0u ? ranking.better : ranking.worse, probe = OLX_NO_PROBE;
     if (place != OLX_NO_PLACE) {
       probe = olx_ranked_probe(all, list, olx_cage_at(olx_field.grid, position), place);
     }
@@ -248,7 +246,7 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
       if (searching && all) stored = false;
       all = !all;
       tried = 0u;
-      ranking = olx_ranking(uvec4(0u), OLX_INFINITY);
+      ranking = olx_ranking(0u, 0u, OLX_INFINITY);
     }
   }
   return b;

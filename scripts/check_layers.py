@@ -3,6 +3,7 @@
 
 Folders under src form a ladder; a file may include its own folder and those before it:
 core < block < field < select < trace < shade < relight < vulkan (the runtime) < scene < place < work < light < bake < render < export (the baker).
+Folders under src/light form one of their own: surfels < links < solution < files beside them.
 Public headers stand on the same ladder. cli, viewer, host, capture, bench and examples see public headers only; cli,
 viewer, capture and bench those of host as well, cli and bench those of capture, viewer and bench what programs share
 of cli, bench/gpu the viewer's rasteriser, and bench/studies what is inside the libraries. Public headers see public headers only, and the runtime knows no library but libc, libm, POSIX
@@ -21,6 +22,7 @@ import sys
 
 RUNTIME = ["core", "block", "field", "select", "trace", "shade", "relight", "vulkan"]
 LADDER = RUNTIME + ["scene", "place", "work", "light", "bake", "render", "export"]
+LIGHT_ROOMS = ["surfels", "links", "solution"]
 
 # The layer from which on a public header may be seen.
 PUBLIC = {"base.h": "core", "limits.h": "core", "light.h": "core", "field.h": "field", "sample.h": "select", "denoiser.h": "shade", "relight.h": "relight",
@@ -71,6 +73,11 @@ def includes(root, name):
             yield number, match.group(1) == "<", match.group(2)
 
 
+def room_of(name):
+    """The place in LIGHT_ROOMS of a file under src/light, given relative to src."""
+    return LIGHT_ROOMS.index(name.split("/")[1]) if name.count("/") > 1 else len(LIGHT_ROOMS)
+
+
 def check_source(name, angled, target):
     """An include in src/LAYER/..., or None when it is in order."""
     layer = name.split("/")[1]
@@ -96,6 +103,8 @@ def check_source(name, angled, target):
         return f'"{target}" is not relative to src'
     if LADDER.index(other) > LADDER.index(layer):
         return f'{layer} may not include "{target}"'
+    if other == layer == "light" and room_of(target) > room_of(name.removeprefix("src/")):
+        return f'{"/".join(name.split("/")[1:-1])} may not include "{target}"'
     return None
 
 

@@ -1,6 +1,6 @@
 // Tests lists of links: added links are summed by surfel, and when there are too many, some are drawn at random so that
 // on average no weight is lost.
-#include "light/few_links.h"
+#include "bake/relight/few_links.h"
 
 #include "core/sampling.h"
 

@@ -2,7 +2,7 @@
 // the same bits.
 #include "core/hooks.h"
 #include "core/result.h"
-#include "light/light_bounces.h"
+#include "light/links/light_bounces.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

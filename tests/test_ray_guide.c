@@ -1,6 +1,6 @@
 // Tests guided rays: their densities integrate to one, rays follow them, and means do not depend on them.
 #include "core/sampling.h"
-#include "light/ray_guide.h"
+#include "light/links/ray_guide.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

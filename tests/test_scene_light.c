@@ -3,7 +3,7 @@
 #include "bake/volume/volume_light.h"
 #include "core/harmonics.h"
 #include "field/harmonic_data.h"
-#include "light/links.h"
+#include "light/links/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
 #include "made_scenes.h"

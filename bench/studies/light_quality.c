@@ -5,9 +5,9 @@
 //
 // Without a file of probes (or with "-") the probes are those of the scene's grid.
 #include "core/parallel.h"
-#include "light/light_solution.h"
 #include "light/path.h"
 #include "light/scene_light.h"
+#include "light/solution/light_solution.h"
 #include "options.h"
 #include "render/camera.h"
 #include "scene/bvh.h"

@@ -4,9 +4,9 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "light/light_steps.h"
-#include "light/light_units.h"
 #include "light/scene_light.h"
+#include "light/solution/light_steps.h"
+#include "light/solution/light_units.h"
 
 enum { SORT_COPIES = 3 }; // of the entries of a lookup: a list that grows, or that the C library sorts
 

@@ -2,7 +2,7 @@
 #ifndef OLX_LIGHT_LIGHT_NEEDS_H
 #define OLX_LIGHT_LIGHT_NEEDS_H
 
-#include "light/light_settings.h"
+#include "light/solution/light_settings.h"
 
 // Upper bounds in bytes, except `surfels`.
 typedef struct olx_light_needs {

@@ -2,7 +2,7 @@
 // solved light.
 #include "light/ray_light.h"
 
-#include "light/light_surfels.h"
+#include "light/surfels/light_surfels.h"
 #include "scene/bvh.h"
 
 enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on before it is dropped

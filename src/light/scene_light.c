@@ -5,9 +5,9 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "light/light_noise.h"
-#include "light/light_steps.h"
-#include "light/light_units.h"
+#include "light/solution/light_noise.h"
+#include "light/solution/light_steps.h"
+#include "light/solution/light_units.h"
 
 enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased

@@ -6,8 +6,8 @@
 #ifndef OLX_LIGHT_SCENE_LIGHT_H
 #define OLX_LIGHT_SCENE_LIGHT_H
 
-#include "light/kept_gathers.h"
-#include "light/light_settings.h"
+#include "light/links/kept_gathers.h"
+#include "light/solution/light_settings.h"
 
 olx_scene_light_settings olx_scene_light_settings_default(void);
 // Returns the most memory that links take by default, in bytes; beyond it, rays leave no links.

@@ -5,7 +5,7 @@
 #include "core/result.h"
 #include "field/lights.h"
 #include "field/texels.h"
-#include "light/lamp_light.h"
+#include "light/surfels/lamp_light.h"
 #include "scene/bvh.h"
 
 // A texel's light is a mean over this many footprints to each side: blocks of texels are stored together.

@@ -23,7 +23,7 @@ uint64_t olx_scene_hash(const olx_scene *scene);
 olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene);
 
 // Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others; one
-// slot is for how surfels lie, which those who have surfels fill in (light/former_surfels.h), and the last for
+// slot is for how surfels lie, which those who have surfels fill in (light/links/former_surfels.h), and the last for
 // everything that emits, with where emitting triangles are.
 enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1, OLX_INPUT_SURFELS = OLX_INPUT_SLOTS - 2 };
 

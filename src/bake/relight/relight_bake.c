@@ -7,7 +7,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
-#include "light/link_batch.h"
+#include "light/links/link_batch.h"
 #include "scene/bvh.h"
 
 #include <string.h>

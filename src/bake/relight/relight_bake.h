@@ -4,9 +4,9 @@
 #ifndef OLX_BAKE_RELIGHT_BAKE_H
 #define OLX_BAKE_RELIGHT_BAKE_H
 
+#include "bake/relight/few_links.h"
 #include "bake/relight/relight_sites.h"
 #include "field/field_writer.h"
-#include "light/few_links.h"
 
 enum {
   OLX_RELIGHT_MOST_LINKS = 256, // per place

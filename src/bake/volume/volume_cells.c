@@ -4,7 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
-#include "light/surface_cells.h"
+#include "light/surfels/surface_cells.h"
 #include "scene/bvh.h"
 
 enum { CELLS_PER_JOB = 16, PARTS = 1 << OLX_VOLUME_LEVELS, NO_NEXT = -1 };

@@ -1,0 +1,88 @@
+// Links: where the rays of surfels end. Each link names the surfel that serves the surface there, and the share of that
+// surface's light that returns along the ray. On the way, specular surfaces, or surfaces that no surfel serves, may
+// have passed the ray on.
+//
+// Rays are cast once. Light is then propagated over the links once per bounce.
+#ifndef OLX_LIGHT_LINKS_H
+#define OLX_LIGHT_LINKS_H
+
+#include "core/pack.h"
+#include "light/links/kept_gathers.h"
+#include "light/links/link_batch.h"
+
+// Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
+// OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
+// there.
+typedef struct olx_point_list {
+  olx_surface_point *points;
+  uint32_t count, capacity;
+} olx_point_list;
+
+// What a work folder knows of rays (kept_rays.h).
+typedef struct olx_cast_keeping {
+  struct olx_kept_rays *kept;           // receives what each ray depends on; NULL: not wanted
+  const struct olx_former_rays *former; // rays for another scene, which are not cast again where they hold; or NULL
+  atomic_uint_fast64_t *reused;         // counts those rays; NULL without `kept`
+} olx_cast_keeping;
+
+// keeping may be NULL. *rays counts all rays, with those that were not cast again.
+olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
+                          olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
+
+// Continues the ray of link `i` of a batch, which ends at a surface without a surfel, by a cosine-distributed ray from
+// there.
+void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
+                    olx_fixed_light *fixed, uint64_t *rays);
+
+// Returns the point of the unit square from which a surfel's unguided ray was generated.
+olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray);
+
+// The sum of what several rays of a surfel bring.
+typedef struct olx_ray_sum {
+  olx_vec3 light; // sum over rays of irradiance times the ray's worth, W/m^2
+  float squares;  // sum of the squared deviations of that luminance from its mean
+  float worth;    // sum over rays, in rays of even density
+} olx_ray_sum;
+
+// The light that surfels pass on: direct irradiance, and with it indirect irradiance of all bounces but the last of
+// `bounces`.
+typedef struct olx_passed_light {
+  const olx_vec3 *direct, *all;
+  uint32_t bounces;
+  float most; // bound on luminance times pi of a gathered ray: rare bright hits would leave blotches
+} olx_passed_light;
+
+// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from OLX_GATHER_RAYS rays of its
+// own. They are drawn by a pool's density, or evenly when that is NULL. `row` keeps what they find; it may be NULL.
+olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row);
+// Returns what the first of these rays alone finds, as an estimate of the same irradiance.
+olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                              uint32_t seed, const olx_passed_light *light);
+
+// Adds up what `count` rays of a surfel bring, drawn by the guide, from index `first` on; they leave no links. *rays
+// counts all rays.
+olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
+                             uint32_t first, uint32_t count, const olx_passed_light *light, uint64_t *rays);
+
+// Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
+static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {
+  return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
+}
+
+static inline uint32_t olx_link_chain(const olx_link *link) {
+  return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
+}
+// Returns whether the link ends at a surfel.
+static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
+
+// Returns the light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its
+// ray.
+static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *direct, const olx_vec3 *irradiance) {
+  if (!olx_link_brings_light(link)) return olx_splat(0.0f);
+  const uint32_t end = olx_link_end(link);
+  const olx_vec3 light = link->end & OLX_LINK_LIT ? irradiance[end] : olx_add(direct[end], irradiance[end]);
+  return olx_mul(olx_rgb9e5_unpack(link->weight), light);
+}
+
+#endif

@@ -1,0 +1,138 @@
+// Learns from the first rays of neighbouring surfels which directions bring light, and draws further rays from the
+// learnt density.
+#include "light/links/ray_guide.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+enum { POOL_LEVELS = 3 }; // surfels learn together in cells this many levels above their own
+
+// Least density of any direction, as a share of the density without a guide.
+static const float LEAST_DENSITY = 0.25f;
+// Least ratio of variance that a guide is assumed to reach.
+static const float LEAST_SPREAD = 1.0f / 32.0f;
+
+static olx_result make_pools(olx_ray_guide *g, const olx_light_surfels *surfels) {
+  olx_cell_table table = {0};
+  olx_result result = olx_cell_table_create(&table, surfels->count);
+  for (uint32_t i = 0; result == OLX_OK && i < surfels->count; i++) {
+    const uint64_t key = olx_cell_at_level(surfels->surfels[i].cell, POOL_LEVELS);
+    uint32_t number = olx_cell_table_get(&table, key);
+    if (number == OLX_CELL_NONE) {
+      number = g->pool_count++;
+      result = olx_cell_table_set(&table, key, number);
+    }
+    g->pool_of[i] = number;
+  }
+  olx_cell_table_free(&table);
+  return result;
+}
+
+olx_result olx_ray_guide_create(olx_ray_guide *g, const olx_light_surfels *surfels) {
+  *g = (olx_ray_guide){.pool_of = olx_allocate(surfels->count, sizeof *g->pool_of)};
+  olx_result result = g->pool_of ? make_pools(g, surfels) : OLX_ERROR_MEMORY;
+  if (result == OLX_OK) g->pools = olx_allocate_zero(g->pool_count, sizeof *g->pools);
+  if (result == OLX_OK && g->pools) return OLX_OK;
+  olx_ray_guide_free(g);
+  return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for guiding the rays of %u surfels", surfels->count);
+}
+
+void olx_ray_guide_free(olx_ray_guide *g) {
+  olx_release(g->pool_of);
+  olx_release(g->pools);
+  *g = (olx_ray_guide){0};
+}
+
+static uint32_t bin_of(olx_vec2 point) {
+  const uint32_t x = (uint32_t)(point.x * OLX_GUIDE_SIDE), y = (uint32_t)(point.y * OLX_GUIDE_SIDE);
+  const uint32_t last = OLX_GUIDE_SIDE - 1;
+  return (y < last ? y : last) * OLX_GUIDE_SIDE + (x < last ? x : last);
+}
+
+void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light) {
+  const uint32_t bin = bin_of(point);
+  sums->light += (double)light;
+  sums->squares[bin] += (double)light * (double)light;
+  sums->counts[bin]++;
+  sums->count++;
+}
+
+// Computes the mean squares of the bins; a bin without a ray gets the mean of all.
+static void mean_squares(const olx_guide_sums *sums, float squares[OLX_GUIDE_BINS]) {
+  double all = 0.0;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) all += sums->squares[i];
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    squares[i] = (float)(sums->counts[i] ? sums->squares[i] / sums->counts[i] : all / sums->count);
+  }
+}
+
+// Returns half of a bin's own root mean square plus half of its neighbours' mean, because neighbouring surfels see the
+// same source in slightly different directions.
+static float blurred_root(const float squares[OLX_GUIDE_BINS], uint32_t bin) {
+  float sum = 0.0f, count = 0.0f;
+  for (uint32_t k = 0; k < 9; k++) {
+    const uint32_t x = bin % OLX_GUIDE_SIDE + k % 3 - 1,
+                   y = bin / OLX_GUIDE_SIDE + k / 3 - 1; // outside the square when negative
+    if (k == 4 || x >= OLX_GUIDE_SIDE || y >= OLX_GUIDE_SIDE) continue;
+    sum += sqrtf(squares[y * OLX_GUIDE_SIDE + x]);
+    count += 1.0f;
+  }
+  return 0.5f * sqrtf(squares[bin]) + 0.5f * sum / count;
+}
+
+// Returns the ratio by which the density reduces the variance of a ray, if each bin continues to bring what it brought.
+static float spread_of(const olx_ray_pool *pool, const float squares[OLX_GUIDE_BINS], float mean) {
+  float even = 0.0f, guided = 0.0f;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    even += squares[i] / OLX_GUIDE_BINS;
+    guided += squares[i] / pool->density[i] / OLX_GUIDE_BINS;
+  }
+  if (even <= mean * mean) return 1.0f;
+  return olx_clamp((guided - mean * mean) / (even - mean * mean), LEAST_SPREAD, 1.0f);
+}
+
+// Rounds to a power of the square root of two. A learnt number then stays the same when the light changes slightly, and
+// so do the rays that are drawn by it: they need not be cast again after an edit of the scene.
+static float coarse(float x) { return exp2f(0.5f * roundf(2.0f * log2f(x))); }
+
+void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums) {
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) pool->density[i] = 1.0f;
+  pool->spread = 1.0f;
+  if (sums->light <= 0.0) return;
+  float squares[OLX_GUIDE_BINS], total = 0.0f;
+  mean_squares(sums, squares);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    pool->density[i] = blurred_root(squares, i);
+    total += pool->density[i];
+  }
+  const float scale = (1.0f - LEAST_DENSITY) * OLX_GUIDE_BINS / total;
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    pool->density[i] = coarse(LEAST_DENSITY + scale * pool->density[i]);
+    sum += pool->density[i];
+  }
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) pool->density[i] *= OLX_GUIDE_BINS / sum;
+  pool->spread = olx_min(coarse(spread_of(pool, squares, (float)(sums->light / sums->count))), 1.0f);
+}
+
+// Finds where the running sum of `values` reaches a share of the total: the index, and the position within it.
+static uint32_t invert(const float values[OLX_GUIDE_SIDE], float sum, float share, float *within) {
+  float left = share * sum;
+  uint32_t i = 0;
+  while (i + 1 < OLX_GUIDE_SIDE && left >= values[i]) left -= values[i++];
+  *within = olx_clamp(left / values[i], 0.0f, 0x1.fffffep-1f);
+  return i;
+}
+
+olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density) {
+  float rows[OLX_GUIDE_SIDE], sum = 0.0f, x, y;
+  for (uint32_t i = 0; i < OLX_GUIDE_SIDE; i++) {
+    rows[i] = 0.0f;
+    for (uint32_t k = 0; k < OLX_GUIDE_SIDE; k++) rows[i] += pool->density[i * OLX_GUIDE_SIDE + k];
+    sum += rows[i];
+  }
+  const uint32_t row = invert(rows, sum, even.y, &y);
+  const uint32_t column = invert(pool->density + row * OLX_GUIDE_SIDE, rows[row], even.x, &x);
+  *density = pool->density[row * OLX_GUIDE_SIDE + column];
+  return (olx_vec2){((float)column + x) / OLX_GUIDE_SIDE, ((float)row + y) / OLX_GUIDE_SIDE};
+}

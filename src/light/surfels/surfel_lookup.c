@@ -1,0 +1,241 @@
+// Finds the surfels around a surface point and fits a plane to their light, which hides their spacing and their noise:
+// a first-order moving least squares fit, with a small penalty on slopes.
+#include "light/surfels/surfel_lookup.h"
+
+#include "core/hooks.h"
+#include "core/result.h"
+
+#include <stdlib.h>
+
+// Radius of a surfel's influence, in sides of its cell.
+static const float REACH = 1.2f;
+// Most distance of a point from a surfel's plane: this share of the cell's side plus this share of the distance between
+// them.
+static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
+static const float LEAST_NORMAL_COSINE = 0.85f;
+static const float SLOPE_PENALTY = 0.01f;
+
+typedef struct cube_entry {
+  uint64_t cube;
+  uint32_t surfel;
+} cube_entry;
+
+typedef struct entry_list {
+  cube_entry *entries;
+  size_t count, capacity;
+} entry_list;
+
+static olx_result add_entry(entry_list *list, uint64_t cube, uint32_t surfel) {
+  if (list->count == list->capacity) {
+    const size_t capacity = list->capacity ? 2 * list->capacity : 65536;
+    cube_entry *larger = olx_allocate(capacity, sizeof *larger);
+    if (!larger) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for finding surfels");
+    for (size_t i = 0; i < list->count; i++) larger[i] = list->entries[i];
+    olx_release(list->entries);
+    list->entries = larger;
+    list->capacity = capacity;
+  }
+  list->entries[list->count++] = (cube_entry){cube, surfel};
+  return OLX_OK;
+}
+
+// Returns the key of a cube, like that of a cell but without a normal.
+static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t level) {
+  return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
+}
+
+static uint32_t level_of(const olx_cell_grid *grid, float side) {
+  int exponent;
+  frexpf(side / grid->finest, &exponent);
+  return (uint32_t)(exponent - 1);
+}
+
+// Adds all cubes of the surfel's level that its influence touches near its plane.
+static olx_result add_cubes(const olx_light_surfels *s, uint32_t number, entry_list *list) {
+  const olx_light_surfel *surfel = &s->surfels[number];
+  const uint32_t level = level_of(&s->grid, surfel->side);
+  const olx_vec3 middle = olx_cell_middle(&s->grid, surfel->position, level);
+  for (int32_t z = -2; z <= 2; z++) {
+    for (int32_t y = -2; y <= 2; y++) {
+      for (int32_t x = -2; x <= 2; x++) {
+        const olx_vec3 cube = olx_madd(middle, olx_v3((float)x, (float)y, (float)z), surfel->side);
+        const olx_vec3 way = olx_sub(cube, surfel->position);
+        // Half the diagonal of a cube is 0.87 of its side.
+        if (fabsf(olx_dot(way, surfel->normal)) > (0.87f + PLANE_OF_DISTANCE * REACH) * surfel->side) continue;
+        if (olx_length(way) > (0.87f + REACH) * surfel->side) continue;
+        OLX_TRY(add_entry(list, cube_key(&s->grid, cube, level), number));
+      }
+    }
+  }
+  return OLX_OK;
+}
+
+static int by_cube(const void *a, const void *b) {
+  const cube_entry *p = a, *q = b;
+  if (p->cube != q->cube) return p->cube < q->cube ? -1 : 1;
+  return p->surfel < q->surfel ? -1 : p->surfel > q->surfel;
+}
+
+// Turns sorted entries into lists.
+static olx_result make_lists(olx_surfel_lookup *l, const entry_list *list) {
+  size_t cubes = 0;
+  for (size_t i = 0; i < list->count; i++) cubes += i == 0 || list->entries[i].cube != list->entries[i - 1].cube;
+  l->lists = olx_allocate(list->count + cubes, sizeof *l->lists);
+  if (!l->lists) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for finding surfels");
+  OLX_TRY(olx_cell_table_create(&l->cubes, (uint32_t)cubes));
+  l->list_words = (uint32_t)(list->count + cubes);
+  uint32_t head = 0, end = 0;
+  for (size_t i = 0; i < list->count; i++) {
+    if (i == 0 || list->entries[i].cube != list->entries[i - 1].cube) {
+      head = end++;
+      l->lists[head] = 0;
+      OLX_TRY(olx_cell_table_set(&l->cubes, list->entries[i].cube, head));
+    }
+    l->lists[head]++;
+    l->lists[end++] = list->entries[i].surfel;
+  }
+  return OLX_OK;
+}
+
+olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfels *surfels, uint32_t count) {
+  *l = (olx_surfel_lookup){.surfels = surfels};
+  entry_list list = {0};
+  olx_result result = OLX_OK;
+  for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
+    l->levels |= 1u << level_of(&surfels->grid, surfels->surfels[i].side);
+    result = add_cubes(surfels, i, &list);
+  }
+  if (result == OLX_OK) {
+    if (list.count > 0) qsort(list.entries, list.count, sizeof *list.entries, by_cube);
+    result = make_lists(l, &list);
+  }
+  olx_release(list.entries);
+  return result;
+}
+
+void olx_surfel_lookup_free(olx_surfel_lookup *l) {
+  olx_cell_table_free(&l->cubes);
+  olx_release(l->lists);
+  *l = (olx_surfel_lookup){0};
+}
+
+// A surfel that may contribute to a point.
+typedef struct neighbour {
+  uint32_t surfel;
+  float weight, x, y; // weight, and offset in the point's tangent plane, metres
+} neighbour;
+
+typedef struct neighbourhood {
+  uint32_t count;
+  neighbour members[OLX_NEIGHBOURS_MOST];
+} neighbourhood;
+
+// Keeps the neighbours with the largest weights.
+static void add_neighbour(neighbourhood *n, neighbour found) {
+  if (n->count < OLX_NEIGHBOURS_MOST) {
+    n->members[n->count++] = found;
+    return;
+  }
+  uint32_t least = 0;
+  for (uint32_t i = 1; i < n->count; i++) {
+    if (n->members[i].weight < n->members[least].weight) least = i;
+  }
+  if (found.weight > n->members[least].weight) n->members[least] = found;
+}
+
+// Adds a surfel to the neighbourhood. Weights are inverse to the square of the cell's side, so that surfels count by
+// density as well as by distance, and small ones dominate where large cells meet small ones.
+static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
+                     olx_vec3 bitangent, neighbourhood *n) {
+  const olx_light_surfel *surfel = &s->surfels[number];
+  const olx_vec3 way = olx_sub(surfel->position, surface->position);
+  const float reach = REACH * surfel->side, squared = olx_dot(way, way);
+  if (squared >= reach * reach) return;
+  const float cosine = olx_dot(surfel->normal, surface->geometric_normal);
+  if (cosine < LEAST_NORMAL_COSINE) return;
+  const float distance = sqrtf(squared), off = PLANE_OF_SIDE * surfel->side + PLANE_OF_DISTANCE * distance;
+  if (fabsf(olx_dot(way, surfel->normal)) > off || fabsf(olx_dot(way, surface->geometric_normal)) > off) return;
+  const float near = (1.0f - distance / reach) * s->grid.finest / surfel->side;
+  add_neighbour(
+      n,
+      (neighbour){.surfel = number, .weight = near * near, .x = olx_dot(way, tangent), .y = olx_dot(way, bitangent)});
+}
+
+static void drop_hidden(const olx_light_surfels *s, const olx_surface *surface, neighbourhood *n) {
+  uint32_t kept = 0;
+  for (uint32_t i = 0; i < n->count; i++) {
+    if (olx_light_surfels_see(s, &s->surfels[n->members[i].surfel], surface)) n->members[kept++] = n->members[i];
+  }
+  n->count = kept;
+}
+
+static void collect(const olx_surfel_lookup *l, const olx_surface *surface, neighbourhood *n) {
+  olx_vec3 tangent, bitangent;
+  olx_basis(surface->geometric_normal, &tangent, &bitangent);
+  const uint64_t finest = cube_key(&l->surfels->grid, surface->position, 0);
+  for (uint32_t level = 0; l->levels >> level != 0; level++) {
+    if (!(l->levels >> level & 1u)) continue;
+    const uint32_t at = olx_cell_table_get(&l->cubes, olx_cell_at_level(finest, level));
+    if (at == OLX_CELL_NONE) continue;
+    for (uint32_t i = 0; i < l->lists[at]; i++) {
+      consider(l->surfels, l->lists[at + 1 + i], surface, tangent, bitangent, n);
+    }
+  }
+  drop_hidden(l->surfels, surface, n);
+}
+
+// The moments of a neighbourhood, in units of its mean distance.
+typedef struct moments {
+  float w, x, y, xx, xy, yy;
+} moments;
+
+static moments sum_moments(neighbourhood *n) {
+  float distance = 0.0f, weight = 0.0f;
+  for (uint32_t i = 0; i < n->count; i++) {
+    const neighbour *m = &n->members[i];
+    distance += m->weight * sqrtf(m->x * m->x + m->y * m->y);
+    weight += m->weight;
+  }
+  const float scale = distance > 0.0f ? weight / distance : 0.0f;
+  moments sums = {0};
+  for (uint32_t i = 0; i < n->count; i++) {
+    neighbour *m = &n->members[i];
+    m->x *= scale;
+    m->y *= scale;
+    sums.w += m->weight;
+    sums.x += m->weight * m->x;
+    sums.y += m->weight * m->y;
+    sums.xx += m->weight * m->x * m->x;
+    sums.xy += m->weight * m->x * m->y;
+    sums.yy += m->weight * m->y * m->y;
+  }
+  sums.xx += SLOPE_PENALTY * sums.w;
+  sums.yy += SLOPE_PENALTY * sums.w;
+  return sums;
+}
+
+// The value at the origin of the best-fitting plane is the sum of w_i (a + b x_i + c y_i) E_i, where a, b, c solve the
+// normal equations for the unit vector of the constant term.
+static void fit(neighbourhood *n, olx_surfel_weights *weights) {
+  const moments s = sum_moments(n);
+  const float a = s.xx * s.yy - s.xy * s.xy, b = s.xy * s.y - s.x * s.yy, c = s.x * s.xy - s.xx * s.y;
+  const float determinant = s.w * a + s.x * b + s.y * c;
+  const bool regular = determinant > 0.05f * s.w * s.xx * s.yy;
+  float sum = 0.0f;
+  for (uint32_t i = 0; i < n->count; i++) {
+    const neighbour *m = &n->members[i];
+    weights->surfel[i] = m->surfel;
+    weights->weight[i] = regular ? m->weight * (a + b * m->x + c * m->y) : m->weight;
+    sum += weights->weight[i];
+  }
+  weights->count = n->count;
+  for (uint32_t i = 0; i < n->count; i++) weights->weight[i] /= sum;
+}
+
+olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface) {
+  neighbourhood n = {0};
+  olx_surfel_weights weights = {0};
+  collect(lookup, surface, &n);
+  if (n.count > 0) fit(&n, &weights);
+  return weights;
+}

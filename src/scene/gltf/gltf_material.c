@@ -210,57 +210,52 @@ static olx_result import_material(olx_gltf *gltf, olx_material_import *import, o
   return olx_scene_add_material(gltf->scene, &material, &surface->material);
 }
 
-static olx_result merge_specular(olx_gltf *gltf, const olx_material_import *merging, const olx_gltf_surface *surfaces) {
-  for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
-    const olx_gltf_specular *specular = &surfaces[i].specular;
-    char element[32];
-    uint32_t same = 0;
-    if (!surfaces[i].merged) continue;
-    while (!surfaces[same].merged || memcmp(&surfaces[same].specular, specular, sizeof *specular) != 0) same++;
-    olx_material *material = &gltf->scene->materials[surfaces[i].material];
-    const olx_material *made = &gltf->scene->materials[surfaces[same].material];
-    snprintf(element, sizeof element, "materials[%u]", i);
-    if (same == i || !made->specular_in_alpha) {
-      OLX_TRY(olx_gltf_merge_specular(specular, &merging->textures, gltf->path, element, gltf->scene, material));
-      continue;
-    }
-    material->metallic_roughness_texture = made->metallic_roughness_texture;
-    material->specular_in_alpha = true;
-  }
-  return OLX_OK;
+// Returns whether two surfaces merge the same images in the same way.
+static bool merge_alike(const olx_gltf_surface *a, const olx_gltf_surface *b) {
+  return a->merged == b->merged && a->converted == b->converted &&
+         memcmp(&a->specular, &b->specular, sizeof a->specular) == 0 &&
+         memcmp(&a->glossy, &b->glossy, sizeof a->glossy) == 0;
 }
 
-static olx_result convert_glossiness(olx_gltf *gltf, const olx_material_import *merging,
-                                     const olx_gltf_surface *surfaces) {
-  for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
-    const olx_gltf_glossy_images *images = &surfaces[i].glossy;
-    char element[32];
-    uint32_t same = 0;
-    if (!surfaces[i].converted) continue;
-    while (!surfaces[same].converted || memcmp(&surfaces[same].glossy, images, sizeof *images) != 0) same++;
-    olx_material *material = &gltf->scene->materials[surfaces[i].material];
-    const olx_material *made = &gltf->scene->materials[surfaces[same].material];
-    snprintf(element, sizeof element, "materials[%u]", i);
-    if (same == i) {
-      OLX_TRY(olx_gltf_merge_glossiness(images, &merging->textures, gltf->path, element, gltf->scene, material));
-      continue;
-    }
-    material->base_color = made->base_color;
-    material->metallic = made->metallic;
-    material->roughness = made->roughness;
-    material->specular_weight = made->specular_weight;
-    material->base_color_texture = made->base_color_texture;
-    material->metallic_roughness_texture = made->metallic_roughness_texture;
-    material->specular_in_alpha = made->specular_in_alpha;
-  }
-  return OLX_OK;
+// Gives a material what another one got by merging the same images.
+static void share_merged(const olx_material *made, bool converted, olx_material *material) {
+  material->metallic_roughness_texture = made->metallic_roughness_texture;
+  material->specular_in_alpha = made->specular_in_alpha;
+  if (!converted) return;
+  material->base_color = made->base_color;
+  material->metallic = made->metallic;
+  material->roughness = made->roughness;
+  material->specular_weight = made->specular_weight;
+  material->base_color_texture = made->base_color_texture;
+}
+
+static olx_result merge_images(olx_gltf *gltf, const olx_material_import *merging, const olx_gltf_surface *surface,
+                               uint32_t index) {
+  olx_material *material = &gltf->scene->materials[surface->material];
+  char element[32];
+  snprintf(element, sizeof element, "materials[%u]", index);
+  return surface->converted ? olx_gltf_merge_glossiness(&surface->glossy, &merging->textures, gltf->path, element,
+                                                        gltf->scene, material)
+                            : olx_gltf_merge_specular(&surface->specular, &merging->textures, gltf->path, element,
+                                                      gltf->scene, material);
 }
 
 // Decodes and merges the textures of materials that need it. Materials with the same ones share the result.
 static olx_result merge_textures(olx_gltf *gltf, olx_material_import *merging, const olx_gltf_surface *surfaces) {
   OLX_TRY(olx_texture_table_decode(&merging->textures, gltf->path, gltf->scene));
-  OLX_TRY(merge_specular(gltf, merging, surfaces));
-  return convert_glossiness(gltf, merging, surfaces);
+  for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
+    uint32_t same = 0;
+    if (!surfaces[i].merged && !surfaces[i].converted) continue;
+    while (!merge_alike(&surfaces[same], &surfaces[i])) same++;
+    const olx_material *made = &gltf->scene->materials[surfaces[same].material];
+    // Where an image could not be merged, each material that has it gets a warning of its own.
+    if (same == i || (surfaces[i].merged && !made->specular_in_alpha)) {
+      OLX_TRY(merge_images(gltf, merging, &surfaces[i], i));
+    } else {
+      share_merged(made, surfaces[i].converted, &gltf->scene->materials[surfaces[i].material]);
+    }
+  }
+  return OLX_OK;
 }
 
 olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces) {

@@ -12,7 +12,6 @@
 enum {
   LEAST_MAP_SIZE = 64,  // smaller maps still get surfels this dense: light sampled more coarsely is biased
   LEAST_NEIGHBOURS = 3, // with fewer surfels around it, a point casts rays of its own
-  FEW_NEIGHBOURS = 8,   // fewer surfels determine a slope badly
   MOST_BATCHES = 4,
   SALT_GATHER = 0x47415448
 };
@@ -145,7 +144,7 @@ static uint32_t batches_wanted(const olx_scene_light *l, float error) {
 
 // Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
 static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  if (weights->count >= FEW_NEIGHBOURS) return ROUGH_SPREAD;
+  if (weights->count >= OLX_NEIGHBOURS_FEW) return ROUGH_SPREAD;
   const float error = expected_error(l, weights), rays = (float)batches_wanted(l, error);
   return olx_clamp(FEW_NOISE * error / sqrtf(rays), FEW_SPREAD, ROUGH_SPREAD);
 }

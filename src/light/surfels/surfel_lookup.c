@@ -7,10 +7,12 @@
 
 #include <stdlib.h>
 
-// Radius of a surfel's influence, in sides of its cell.
-static const float REACH = 1.2f;
-// Most distance of a point from a surfel's plane: this share of the cell's side plus this share of the distance between
-// them.
+// Radius of a surfel's influence, in sides of its cell, and its multiple at points that have few surfels around them: at
+// the edge of a large cell that smaller ones adjoin.
+static const float REACH = 1.2f, WIDER = 2.0f;
+// Most distance of a point from a surfel's plane: this share of the cell's side, plus the distance between them times the
+// sine of the angle between their normals or this share, whichever is less. Between parallel planes there is a step, such
+// as that from a wall to a frame on it.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
 static const float SLOPE_PENALTY = 0.01f;
@@ -126,12 +128,17 @@ typedef struct neighbour {
 } neighbour;
 
 typedef struct neighbourhood {
+  olx_vec3 tangent, bitangent; // of the point's surface
+  float wider;                 // multiple of the radii of influence
   uint32_t count;
   neighbour members[OLX_NEIGHBOURS_MOST];
 } neighbourhood;
 
 // Keeps the neighbours with the largest weights.
 static void add_neighbour(neighbourhood *n, neighbour found) {
+  for (uint32_t i = 0; i < n->count; i++) {
+    if (n->members[i].surfel == found.surfel) return;
+  }
   if (n->count < OLX_NEIGHBOURS_MOST) {
     n->members[n->count++] = found;
     return;
@@ -145,20 +152,20 @@ static void add_neighbour(neighbourhood *n, neighbour found) {
 
 // Adds a surfel to the neighbourhood. Weights are inverse to the square of the cell's side, so that surfels count by
 // density as well as by distance, and small ones dominate where large cells meet small ones.
-static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, olx_vec3 tangent,
-                     olx_vec3 bitangent, neighbourhood *n) {
+static void consider(const olx_light_surfels *s, uint32_t number, const olx_surface *surface, neighbourhood *n) {
   const olx_light_surfel *surfel = &s->surfels[number];
   const olx_vec3 way = olx_sub(surfel->position, surface->position);
-  const float reach = REACH * surfel->side, squared = olx_dot(way, way);
+  const float reach = n->wider * REACH * surfel->side, squared = olx_dot(way, way);
   if (squared >= reach * reach) return;
   const float cosine = olx_dot(surfel->normal, surface->geometric_normal);
   if (cosine < LEAST_NORMAL_COSINE) return;
-  const float distance = sqrtf(squared), off = PLANE_OF_SIDE * surfel->side + PLANE_OF_DISTANCE * distance;
+  const float distance = sqrtf(squared), sine = sqrtf(olx_max(1.0f - cosine * cosine, 0.0f));
+  const float off = PLANE_OF_SIDE * surfel->side + olx_min(sine, PLANE_OF_DISTANCE) * distance;
   if (fabsf(olx_dot(way, surfel->normal)) > off || fabsf(olx_dot(way, surface->geometric_normal)) > off) return;
   const float near = (1.0f - distance / reach) * s->grid.finest / surfel->side;
   add_neighbour(
-      n,
-      (neighbour){.surfel = number, .weight = near * near, .x = olx_dot(way, tangent), .y = olx_dot(way, bitangent)});
+      n, (neighbour){
+             .surfel = number, .weight = near * near, .x = olx_dot(way, n->tangent), .y = olx_dot(way, n->bitangent)});
 }
 
 static void drop_hidden(const olx_light_surfels *s, const olx_surface *surface, neighbourhood *n) {
@@ -169,17 +176,32 @@ static void drop_hidden(const olx_light_surfels *s, const olx_surface *surface, 
   n->count = kept;
 }
 
-static void collect(const olx_surfel_lookup *l, const olx_surface *surface, neighbourhood *n) {
-  olx_vec3 tangent, bitangent;
-  olx_basis(surface->geometric_normal, &tangent, &bitangent);
+static void collect_cube(const olx_surfel_lookup *l, const olx_surface *surface, uint64_t cube, neighbourhood *n) {
+  const uint32_t at = olx_cell_table_get(&l->cubes, cube);
+  if (at == OLX_CELL_NONE) return;
+  for (uint32_t i = 0; i < l->lists[at]; i++) consider(l->surfels, l->lists[at + 1 + i], surface, n);
+}
+
+// Considers the surfels of the cubes around the point's, too, where their influence reaches farther than they are
+// listed.
+static void collect_around(const olx_surfel_lookup *l, const olx_surface *surface, uint32_t level, neighbourhood *n) {
+  const float side = olx_cell_side(&l->surfels->grid, level);
+  for (int32_t y = -1; y <= 1; y++) {
+    for (int32_t x = -1; x <= 1; x++) {
+      const olx_vec3 step = olx_add(olx_scale(n->tangent, (float)x * side), olx_scale(n->bitangent, (float)y * side));
+      collect_cube(l, surface, cube_key(&l->surfels->grid, olx_add(surface->position, step), level), n);
+    }
+  }
+}
+
+static void collect(const olx_surfel_lookup *l, const olx_surface *surface, float wider, neighbourhood *n) {
+  n->count = 0;
+  n->wider = wider;
   const uint64_t finest = cube_key(&l->surfels->grid, surface->position, 0);
   for (uint32_t level = 0; l->levels >> level != 0; level++) {
     if (!(l->levels >> level & 1u)) continue;
-    const uint32_t at = olx_cell_table_get(&l->cubes, olx_cell_at_level(finest, level));
-    if (at == OLX_CELL_NONE) continue;
-    for (uint32_t i = 0; i < l->lists[at]; i++) {
-      consider(l->surfels, l->lists[at + 1 + i], surface, tangent, bitangent, n);
-    }
+    if (wider > 1.0f) collect_around(l, surface, level, n);
+    else collect_cube(l, surface, olx_cell_at_level(finest, level), n);
   }
   drop_hidden(l->surfels, surface, n);
 }
@@ -235,7 +257,9 @@ static void fit(neighbourhood *n, olx_surfel_weights *weights) {
 olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface) {
   neighbourhood n = {0};
   olx_surfel_weights weights = {0};
-  collect(lookup, surface, &n);
+  olx_basis(surface->geometric_normal, &n.tangent, &n.bitangent);
+  collect(lookup, surface, 1.0f, &n);
+  if (n.count < OLX_NEIGHBOURS_FEW) collect(lookup, surface, WIDER, &n);
   if (n.count > 0) fit(&n, &weights);
   return weights;
 }

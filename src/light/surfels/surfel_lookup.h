@@ -16,7 +16,10 @@ typedef struct olx_surfel_lookup {
 olx_result olx_surfel_lookup_create(olx_surfel_lookup *lookup, const olx_light_surfels *surfels, uint32_t count);
 void olx_surfel_lookup_free(olx_surfel_lookup *lookup);
 
-enum { OLX_NEIGHBOURS_MOST = 24 };
+enum {
+  OLX_NEIGHBOURS_FEW = 8, // fewer surfels determine a slope badly
+  OLX_NEIGHBOURS_MOST = 24
+};
 
 // Weights, which sum to 1, of the surfels from whose light a point's is interpolated.
 typedef struct olx_surfel_weights {

@@ -79,14 +79,14 @@ walk_through() {
 
 # room: renders the room, and sets `hero` to its part of the page.
 room() {
-  local base=$out/flat size=640x400 spp=16 look baked field path
+  local base=$out/flat size=640x400 spp=12 look baked field path
   look=(--camera room --size "$size" --exposure 2)
   say "flat: direct light alone"
   "$program" render builtin:flat -o "$base-direct.png" --method path --bounces 0 "${look[@]}" --spp "$spp" >"$out/log.txt"
   say "the first picture: $base-direct.png"
   say "flat: place probes, and bake"
   "$program" place builtin:flat -o "$base-probes.json" >"$out/log.txt" 2>&1
-  baked=$("$program" bake builtin:flat --probes "$base-probes.json" -o "$base.olx" --radiance-size 256 --noise 0.05 --json)
+  baked=$("$program" bake builtin:flat --probes "$base-probes.json" -o "$base.olx" --radiance-size 256 --noise 0.06 --json)
   say "flat: render from the field"
   field=$("$program" render builtin:flat -o "$base-field.exr" --png "$base-field.png" --field "$base.olx" "${look[@]}" \
     --spp "$spp" --glossy-samples 1 --json)

@@ -1,7 +1,8 @@
-// Tests that rays without links can be stored and resumed: a work folder, and parts of a bake, give the light of a
-// solution without a folder.
+// Tests that rays without links and records can be stored and resumed: a work folder, and parts of a bake, give the light
+// of a solution without a folder.
 #include "core/hooks.h"
 #include "light/scene_light.h"
+#include "light/solution/light_solution.h"
 #include "scene/scene_build.h"
 
 #include <setjmp.h>
@@ -47,21 +48,22 @@ static int tear_down(void **state) {
 }
 
 typedef struct units_done {
-  uint32_t final_made, final_loaded;
+  uint32_t final_made, final_loaded, record_made, record_loaded, record_rounds;
 } units_done;
 
-static void count_final(void *user, const olx_unit_done *unit) {
+static void count_unit(void *user, const olx_unit_done *unit) {
   units_done *done = user;
-  if (strcmp(unit->name.stage, "final") != 0) return;
-  if (unit->found) done->final_loaded++;
-  else done->final_made++;
+  if (strcmp(unit->name.stage, "final") == 0) ++*(unit->found ? &done->final_loaded : &done->final_made);
+  if (strcmp(unit->name.stage, "record") != 0) return;
+  ++*(unit->found ? &done->record_loaded : &done->record_made);
+  if (unit->name.round >= done->record_rounds) done->record_rounds = unit->name.round + 1;
 }
 
 static olx_unit_store *open_store(const place *p, uint32_t part, uint32_t parts, units_done *done) {
   olx_manifest manifest = {""};
-  olx_manifest_add(&manifest, "stages", "manifest light points cast surfels direct bounce final lookup");
+  olx_manifest_add(&manifest, "stages", "manifest light points cast surfels direct bounce final record lookup");
   const olx_unit_store_settings settings = {
-      .folder = p->folder, .manifest = &manifest, .part = part, .parts = parts, .done = count_final, .user = done};
+      .folder = p->folder, .manifest = &manifest, .part = part, .parts = parts, .done = count_unit, .user = done};
   olx_unit_store *store;
   assert_int_equal(olx_unit_store_open(&settings, &store), OLX_OK);
   return store;
@@ -77,23 +79,32 @@ static void assert_same_light(const olx_scene_light *a, const olx_scene_light *b
   const olx_scene_light_parts one = olx_scene_light_open(a), other = olx_scene_light_open(b);
   assert_int_equal(one.surfels->count, other.surfels->count);
   assert_memory_equal(one.irradiance, other.irradiance, one.surfels->count * sizeof *one.irradiance);
+  const uint32_t records = olx_scene_light_describe(a).records;
+  assert_int_equal(records, olx_scene_light_describe(b).records);
+  assert_memory_equal(a->records.irradiance, b->records.irradiance, records * sizeof *a->records.irradiance);
   assert_int_equal(olx_scene_light_describe(a).rays, olx_scene_light_describe(b).rays);
 }
 
-// Removes the last step, the lookup of surfels, and one unit of the first round of final rays.
-static void damage(const place *p) {
+static void remove_unit(const place *p, const char *name) {
   char path[128];
-  for (uint32_t step = 20, left = 1; step > 0 && left > 0; step--) {
-    snprintf(path, sizeof path, "%s/light-%u-0.unit", p->folder, step);
-    left -= unlink(path) == 0;
-  }
-  snprintf(path, sizeof path, "%s/lookup-0-0.unit", p->folder);
-  assert_int_equal(unlink(path), 0);
-  snprintf(path, sizeof path, "%s/final-0-1.unit", p->folder);
+  snprintf(path, sizeof path, "%s/%s.unit", p->folder, name);
   assert_int_equal(unlink(path), 0);
 }
 
-static void a_work_folder_resumes_between_final_rays(void **state) {
+// Removes the steps after the first round of final rays, the lookups, one unit of that round, and one of records.
+static void damage(const place *p, const units_done *done) {
+  char path[128];
+  for (uint32_t step = 20, left = done->record_rounds + 1; step > 0 && left > 0; step--) {
+    snprintf(path, sizeof path, "%s/light-%u-0.unit", p->folder, step);
+    left -= unlink(path) == 0;
+  }
+  remove_unit(p, "lookup-0-0");
+  remove_unit(p, "lookup-1-0");
+  remove_unit(p, "final-0-1");
+  remove_unit(p, "record-0-0");
+}
+
+static void a_work_folder_resumes_between_final_rays_and_records(void **state) {
   place *p = *state;
   olx_scene_light *fresh, *light;
   assert_int_equal(solve(p, NULL, &fresh), OLX_OK);
@@ -103,19 +114,21 @@ static void a_work_folder_resumes_between_final_rays(void **state) {
   assert_same_light(fresh, light);
   olx_scene_light_free(light);
   olx_unit_store_close(store, false);
-  assert_true(first.final_made > 2);
-  damage(p);
+  assert_true(first.final_made > 2 && first.record_made > 0);
+  damage(p, &first);
   store = open_store(p, 0, 0, &second);
   assert_int_equal(solve(p, store, &light), OLX_OK);
   assert_same_light(fresh, light);
   assert_int_equal(second.final_made, 1);
   assert_int_equal(second.final_loaded, first.final_made - 1);
+  assert_int_equal(second.record_made, 1);
+  assert_int_equal(second.record_loaded, first.record_made - 1);
   olx_scene_light_free(light);
   olx_scene_light_free(fresh);
   olx_unit_store_close(store, true);
 }
 
-static void parts_share_final_rays(void **state) {
+static void parts_share_final_rays_and_records(void **state) {
   place *p = *state;
   enum { PARTS = 2 };
   olx_scene_light *fresh, *light = NULL;
@@ -139,8 +152,8 @@ static void parts_share_final_rays(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test_setup_teardown(a_work_folder_resumes_between_final_rays, set_up, tear_down),
-      cmocka_unit_test_setup_teardown(parts_share_final_rays, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(a_work_folder_resumes_between_final_rays_and_records, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(parts_share_final_rays_and_records, set_up, tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -173,9 +173,9 @@ static void report_rays(const job *j, uint32_t count) {
 }
 
 static void print_report(const olx_scene_light_report *r) {
-  printf("%u surfels (%u hidden)  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  %.1f s\n", r->surfels,
-         r->hidden_surfels, (double)r->rays * 1e-6, (double)r->links * 1e-6, (double)r->bytes * 1e-6, r->bounces,
-         100 * r->noise, r->seconds);
+  printf("%u surfels (%u hidden)  %u records  %.2f M rays  %.2f M links  %.0f MB  %u bounces  noise %.2f %%  %.1f s\n",
+         r->surfels, r->hidden_surfels, r->records, (double)r->rays * 1e-6, (double)r->links * 1e-6,
+         (double)r->bytes * 1e-6, r->bounces, 100 * r->noise, r->seconds);
 }
 
 int study_light_quality(int argc, char **argv) {

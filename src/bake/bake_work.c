@@ -106,7 +106,7 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   add_hashed(&manifest, "settings", &chosen);
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
   olx_manifest_add(&manifest, "stages",
-                   "manifest plan scene light points cast surfels direct bounce final lookup facts volume irradiance classic "
+                   "manifest plan scene light points cast surfels direct bounce final record lookup facts volume irradiance classic "
                    "relight gathers probe");
   return manifest;
 }

@@ -36,11 +36,18 @@ static uint64_t lookup_bytes(const olx_scene_light *l) {
   return l->lookup.list_words * (uint64_t)sizeof *l->lookup.lists + table_bytes(&l->lookup.cubes);
 }
 
-// Returns the working memory of bounces, learning and measuring, or of sorting the lookup where that is more.
+// Returns the bytes of as many records as there may be, and of their lookup.
+static uint64_t record_bytes(const olx_scene_light *l) {
+  const uint64_t record = 2 * sizeof(olx_light_surfel) + sizeof(uint32_t) + sizeof(olx_vec3);
+  return OLX_LIGHT_MOST_RECORDS * (l->visible * record + lookup_bytes(l));
+}
+
+// Returns the working memory of bounces, learning and measuring, or of sorting the largest lookup where that is more.
 static uint64_t work_bytes(const olx_scene_light *l) {
   const uint64_t surfel = OLX_BOUNCES_KEPT * sizeof(olx_vec3) + sizeof(double) + 2 * sizeof(float);
   const uint64_t solving = l->surfels.count * surfel + l->guide.pool_count * 2 * sizeof(olx_guide_sums);
-  const uint64_t sorting = l->lookup.list_words * (uint64_t)(SORT_COPIES * 2 * sizeof(uint64_t));
+  const uint64_t sorting =
+      OLX_LIGHT_MOST_RECORDS * l->lookup.list_words * (uint64_t)(SORT_COPIES * 2 * sizeof(uint64_t));
   return solving > sorting ? solving : sorting;
 }
 
@@ -62,7 +69,7 @@ static uint64_t unit_bytes(const olx_scene_light *l) {
 
 static void count(const olx_scene_light *l, olx_light_needs *needs) {
   *needs = (olx_light_needs){.surfels = l->surfels.count,
-                             .state_bytes = step_bytes(l) + point_bytes(l) + lookup_bytes(l),
+                             .state_bytes = step_bytes(l) + point_bytes(l) + lookup_bytes(l) + record_bytes(l),
                              .work_bytes = work_bytes(l),
                              .link_bytes = link_bytes(l),
                              .thread_bytes = 4 * (uint64_t)OLX_LINKS_AT_A_TIME,

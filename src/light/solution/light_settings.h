@@ -30,6 +30,8 @@ typedef struct olx_scene_light_settings {
 // Statistics of a solution.
 typedef struct olx_scene_light_report {
   uint32_t surfels, hidden_surfels; // all surfels, and those on surfaces that rays hit and no probe sees
+  uint32_t records;                 // places between which light is interpolated: visible surfels, and those of parts
+                                    // of their cells
   uint32_t bounces;                 // number of times that light was propagated over the links
   uint64_t reused_rays;             // those of `rays` that a work folder had from before an edit of the scene
   uint64_t rays, links, bytes;      // all rays; links; memory of links and surfels

@@ -8,10 +8,13 @@ enum {
   OLX_LIGHT_HIDDEN_ROUNDS = 2,   // rounds in which surfels are added where rays end without one
   OLX_LIGHT_REFINEMENTS = 3,     // rounds in which rays are added where noise is high
   OLX_LIGHT_GATHERINGS = 2,      // rounds of rays that leave no links, where noise is still high
+  OLX_LIGHT_DIVISIONS = 3,       // rounds in which cells are divided where light varies
+  OLX_LIGHT_MOST_RECORDS = 4,    // most records for each visible surfel, in the mean
   OLX_LIGHT_MOST_RAYS = 16384,   // most rays of a surfel with high variance in a round
   OLX_LIGHT_UNIT_RAYS = 1 << 19, // rays of a unit of casting: about one second of one processor
   OLX_LIGHT_MOST_BATCHES = 1 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS * 11,
-  OLX_LIGHT_MOST_STEPS = 3 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS + OLX_LIGHT_GATHERINGS
+  OLX_LIGHT_MOST_STEPS =
+      3 + OLX_LIGHT_HIDDEN_ROUNDS + OLX_LIGHT_REFINEMENTS + OLX_LIGHT_GATHERINGS + OLX_LIGHT_DIVISIONS
 };
 
 // The next phase of the solution.
@@ -20,8 +23,18 @@ typedef enum olx_scene_light_phase {
   OLX_LIGHT_DIRECT,        // direct light of all surfels
   OLX_LIGHT_REFINING,      // guided rays
   OLX_LIGHT_GATHERING,     // guided rays that leave no links (final_gather.h)
+  OLX_LIGHT_DIVIDING,      // light of new records (light_records.h)
   OLX_LIGHT_FINISHED
 } olx_scene_light_phase;
+
+// The places between which light is interpolated (light_records.h).
+typedef struct olx_light_records {
+  olx_light_surfels places; // a place for each record, and its cell; without points, and found by the lookup alone
+  uint32_t *surfel_of;      // the surfel whose cell the record's is part of
+  olx_vec3 *irradiance;     // W/m^2
+  uint32_t lit, round;      // number of records with light, which those after them get in this round of dividing
+  olx_surfel_lookup lookup; // of the records with light
+} olx_light_records;
 
 // The replacements, in order, of links that ended without a surfel.
 typedef struct olx_link_patch {
@@ -54,11 +67,12 @@ struct olx_scene_light {
   olx_ray_sum *found;            // per visible surfel, of the final rays of this round
   uint32_t *final_rays;          // per visible surfel, number of final rays in this round
   uint32_t gathering;            // number of this round
-  uint32_t visible;    // number of surfels on surfaces that probes see; the others, which only pass light on, come
-                       // after them
-  uint32_t served;     // number of surfels that have rays or get them next
-  uint32_t first_rays; // rays of each surfel in the first round
-  olx_surfel_lookup lookup;
+  uint32_t visible;         // number of surfels on surfaces that probes see; the others, which only pass light on, come
+                            // after them
+  uint32_t served;          // number of surfels that have rays or get them next
+  uint32_t first_rays;      // rays of each surfel in the first round
+  olx_surfel_lookup lookup; // of visible surfels
+  olx_light_records records;
   olx_scene_light_report report;
   atomic_uint_fast64_t reused_rays; // rays that were not cast, because they were for another scene and still hold
 };

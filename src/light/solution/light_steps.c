@@ -10,6 +10,7 @@
 #include "light/solution/final_gather.h"
 #include "light/solution/light_checkpoint.h"
 #include "light/solution/light_noise.h"
+#include "light/solution/light_records.h"
 #include "light/surfels/surfel_lookup.h"
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
@@ -305,13 +306,23 @@ static olx_result learn(olx_scene_light *l) {
   return olx_light_noise_measure(l);
 }
 
-// Plans a round of rays that leave no links, or finishes where noise is below the bound.
+// Plans a round of dividing cells, or finishes where light does not vary too much between records.
+static olx_result divide(olx_scene_light *l, uint32_t division) {
+  bool any = false;
+  if (division < (OLX_LIGHT_DIVISIONS) && l->visible > 0) OLX_TRY(olx_light_records_plan(l, division, &any));
+  l->phase = any ? OLX_LIGHT_DIVIDING : OLX_LIGHT_FINISHED;
+  l->report.records = l->records.places.count;
+  return OLX_OK;
+}
+
+// Plans a round of rays that leave no links, or goes on where noise is below the bound.
 static olx_result gather(olx_scene_light *l, uint32_t gathering) {
   bool any = false;
   if (gathering < OLX_LIGHT_GATHERINGS && l->report.noise > (double)l->settings.noise) {
     OLX_TRY(olx_final_gather_plan(l, gathering, &any));
   }
-  l->phase = any ? OLX_LIGHT_GATHERING : OLX_LIGHT_FINISHED;
+  if (!any) return divide(l, 0);
+  l->phase = OLX_LIGHT_GATHERING;
   return OLX_OK;
 }
 
@@ -363,11 +374,17 @@ static olx_result settle_gathering(olx_scene_light *l) {
   return gather(l, l->gathering + 1);
 }
 
+static olx_result settle_dividing(olx_scene_light *l) {
+  olx_light_records_settle(l);
+  return divide(l, l->records.round + 1);
+}
+
 olx_result olx_scene_light_settle(olx_scene_light *l) {
   const olx_scene_light_phase phase = l->phase;
   if (phase == OLX_LIGHT_EXPLORING) return settle_exploring(l);
   if (phase == OLX_LIGHT_DIRECT) return settle_direct(l);
-  return phase == OLX_LIGHT_REFINING ? settle_refining(l) : settle_gathering(l);
+  if (phase == OLX_LIGHT_REFINING) return settle_refining(l);
+  return phase == OLX_LIGHT_GATHERING ? settle_gathering(l) : settle_dividing(l);
 }
 
 olx_result olx_scene_light_begin(olx_scene_light *l) {
@@ -403,6 +420,7 @@ void olx_scene_light_clear(olx_scene_light *l) {
   olx_final_gather_free(l);
   olx_ray_guide_free(&l->guide);
   olx_surfel_lookup_free(&l->lookup);
+  olx_light_records_free(&l->records);
   olx_light_surfels_free(&l->surfels);
   *l = (olx_scene_light){.scene = l->scene,
                          .settings = l->settings,

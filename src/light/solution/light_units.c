@@ -7,6 +7,7 @@
 #include "light/links/kept_rays.h"
 #include "light/links/link_batch.h"
 #include "light/solution/final_gather.h"
+#include "light/solution/light_records.h"
 #include "light/solution/light_steps.h"
 
 #include <string.h>
@@ -410,6 +411,65 @@ static olx_result load_final_units(olx_scene_light *l) {
   return olx_unit_store_is_part(l->settings.store) ? olx_units_load(l->settings.store, &stage) : OLX_OK;
 }
 
+// ---- Records
+
+typedef struct record_stage {
+  olx_scene_light *light;
+  uint64_t rays; // rays that the last unit cast
+} record_stage;
+
+static olx_result light_records(void *user, uint32_t unit) {
+  record_stage *r = user;
+  olx_scene_light *l = r->light;
+  r->rays = 0;
+  OLX_TRY(olx_light_records_cast(l, olx_light_records_first(l, unit), olx_light_records_first(l, unit + 1), &r->rays));
+  if (!olx_unit_store_is_part(l->settings.store)) l->report.rays += r->rays;
+  return OLX_OK;
+}
+
+static void save_records(void *user, uint32_t unit, olx_byte_writer *to) {
+  const record_stage *r = user;
+  const olx_scene_light *l = r->light;
+  const uint32_t first = olx_light_records_first(l, unit), end = olx_light_records_first(l, unit + 1);
+  olx_bytes_put(to, &r->rays, 1, sizeof r->rays);
+  olx_bytes_put(to, l->records.irradiance + first, end - first, sizeof *l->records.irradiance);
+}
+
+static olx_result load_records(void *user, uint32_t unit, olx_byte_reader *from) {
+  const record_stage *r = user;
+  olx_scene_light *l = r->light;
+  const uint32_t first = olx_light_records_first(l, unit), end = olx_light_records_first(l, unit + 1);
+  uint64_t rays = 0;
+  olx_bytes_copy(from, &rays, 1, sizeof rays);
+  olx_bytes_copy(from, l->records.irradiance + first, end - first, sizeof *l->records.irradiance);
+  l->report.rays += rays;
+  return OLX_OK;
+}
+
+static olx_unit_stage records_of(record_stage *r) {
+  const olx_scene_light *l = r->light;
+  const uint32_t units = l->phase == OLX_LIGHT_DIVIDING ? olx_light_records_units(l) : 0;
+  return (olx_unit_stage){"record",      l->records.round, units,        r,
+                          light_records, save_records,     load_records, OLX_PARTS_ALL};
+}
+
+static olx_result make_records(olx_scene_light *l) {
+  record_stage r = {.light = l};
+  const olx_unit_stage stage = records_of(&r);
+  if (!l->settings.store) {
+    return olx_light_records_cast(l, l->records.lit, l->records.places.count, &l->report.rays);
+  }
+  const olx_result result = olx_units_make(l->settings.store, &stage);
+  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
+}
+
+// Loads the light that all parts gathered for records; a whole bake has it.
+static olx_result load_record_units(olx_scene_light *l) {
+  record_stage r = {.light = l};
+  const olx_unit_stage stage = records_of(&r);
+  return olx_unit_store_is_part(l->settings.store) ? olx_units_load(l->settings.store, &stage) : OLX_OK;
+}
+
 // ---- The state after a step, except links
 
 static void save_table(const olx_cell_table *t, olx_byte_writer *to) {
@@ -508,10 +568,14 @@ static void save_array(const void *array, uint32_t count, size_t element_bytes, 
   olx_bytes_put(to, array, there, element_bytes);
 }
 
+static void *load_counted(olx_byte_reader *from, size_t element_bytes, uint32_t *count) {
+  olx_bytes_copy(from, count, 1, sizeof *count);
+  return *count ? olx_bytes_take(from, *count, element_bytes) : NULL;
+}
+
 static void *load_array(olx_byte_reader *from, size_t element_bytes) {
   uint32_t there = 0;
-  olx_bytes_copy(from, &there, 1, sizeof there);
-  return there ? olx_bytes_take(from, there, element_bytes) : NULL;
+  return load_counted(from, element_bytes, &there);
 }
 
 static void save_lit(const olx_scene_light *l, olx_byte_writer *to) {
@@ -543,6 +607,27 @@ static void load_lit(olx_scene_light *l, olx_byte_reader *from) {
   l->guide.pools = load_array(from, sizeof *l->guide.pools);
 }
 
+static void save_placed(const olx_light_records *r, olx_byte_writer *to) {
+  const uint32_t numbers[] = {r->lit, r->round};
+  olx_bytes_put(to, numbers, 2, sizeof *numbers);
+  save_array(r->places.surfels, r->places.count, sizeof *r->places.surfels, to);
+  save_array(r->surfel_of, r->places.count, sizeof *r->surfel_of, to);
+  save_array(r->irradiance, r->places.count, sizeof *r->irradiance, to);
+}
+
+static void load_placed(olx_scene_light *l, olx_byte_reader *from) {
+  olx_light_records *r = &l->records;
+  uint32_t numbers[2] = {0}, count = 0;
+  olx_bytes_copy(from, numbers, 2, sizeof *numbers);
+  r->lit = numbers[0];
+  r->round = numbers[1];
+  r->places = (olx_light_surfels){.scene = l->scene, .grid = l->surfels.grid};
+  r->places.surfels = load_counted(from, sizeof *r->places.surfels, &count);
+  r->places.count = r->places.capacity = count;
+  r->surfel_of = load_array(from, sizeof *r->surfel_of);
+  r->irradiance = load_array(from, sizeof *r->irradiance);
+}
+
 static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
   const olx_scene_light *l = user;
@@ -554,6 +639,7 @@ static void save_step(void *user, uint32_t unit, olx_byte_writer *to) {
   save_batches(l, to);
   save_patches(l, to);
   save_lit(l, to);
+  save_placed(&l->records, to);
 }
 
 // Loads a step, in place of the current state.
@@ -577,14 +663,21 @@ static olx_result load_step(void *user, uint32_t unit, olx_byte_reader *from) {
   load_batches(l, from);
   load_patches(l, from);
   load_lit(l, from);
+  load_placed(l, from);
   return OLX_OK;
 }
 
-// ---- The lookup of surfels
+// ---- The lookups: of visible surfels, and of records
+
+typedef struct lookup_stage {
+  olx_surfel_lookup *lookup;
+  const olx_light_surfels *places; // visible surfels are the first of all surfels, and all records have light
+  uint32_t count;
+} lookup_stage;
 
 static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
-  const olx_surfel_lookup *lookup = &((const olx_scene_light *)user)->lookup;
+  const olx_surfel_lookup *lookup = ((const lookup_stage *)user)->lookup;
   const uint32_t numbers[] = {lookup->levels, lookup->list_words};
   olx_bytes_put(to, numbers, 2, sizeof *numbers);
   olx_bytes_put(to, lookup->lists, lookup->list_words, sizeof *lookup->lists);
@@ -593,25 +686,33 @@ static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
 
 static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
-  olx_scene_light *l = user;
+  const lookup_stage *l = user;
   uint32_t numbers[2] = {0};
+  olx_surfel_lookup_free(l->lookup);
   olx_bytes_copy(from, numbers, 2, sizeof *numbers);
-  l->lookup = (olx_surfel_lookup){.surfels = &l->surfels, .levels = numbers[0], .list_words = numbers[1]};
-  l->lookup.lists = olx_bytes_take(from, numbers[1], sizeof *l->lookup.lists);
-  load_table(&l->lookup.cubes, from);
+  *l->lookup = (olx_surfel_lookup){.surfels = l->places, .levels = numbers[0], .list_words = numbers[1]};
+  l->lookup->lists = olx_bytes_take(from, numbers[1], sizeof *l->lookup->lists);
+  load_table(&l->lookup->cubes, from);
   return OLX_OK;
 }
 
-// Builds the lookup, or loads it; a damaged one is rebuilt.
-olx_result olx_light_units_look_up(olx_scene_light *l) {
-  olx_unit_store *store = l->settings.store;
-  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
+// Builds a lookup, or loads it; a damaged one is rebuilt.
+static olx_result look_up(olx_unit_store *store, uint32_t round, lookup_stage *l) {
+  const olx_unit_stage stage = {"lookup", round, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
   if (olx_units_have(store, &stage)) {
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
   }
-  OLX_TRY(olx_surfel_lookup_create(&l->lookup, &l->surfels, l->visible));
+  olx_surfel_lookup_free(l->lookup);
+  OLX_TRY(olx_surfel_lookup_create(l->lookup, l->places, l->count));
   return olx_unit_keep(store, &stage);
+}
+
+olx_result olx_light_units_look_up(olx_scene_light *l) {
+  lookup_stage surfels = {&l->lookup, &l->surfels, l->visible},
+               records = {&l->records.lookup, &l->records.places, l->records.lit};
+  OLX_TRY(look_up(l->settings.store, 0, &surfels));
+  return look_up(l->settings.store, 1, &records);
 }
 
 // ---- Loading links
@@ -668,14 +769,15 @@ static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
 }
 
 // Loads what the next step needs: shading and settling need the links of every round, exploring only those of the last,
-// and final rays none.
+// and final rays and records none. Exploring adds points, and those of visible surfels tell how cells may be divided.
 static olx_result load_for_settling(olx_scene_light *l) {
   olx_unit_store *store = l->settings.store;
   direct_stage d = {.light = l};
   const olx_unit_stage direct = direct_of(&d);
-  if (l->phase == OLX_LIGHT_EXPLORING) OLX_TRY(need_points(l));
+  OLX_TRY(need_points(l));
   if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);
   if (l->phase == OLX_LIGHT_GATHERING) return load_final_units(l);
+  if (l->phase == OLX_LIGHT_DIVIDING) return load_record_units(l);
   for (uint32_t round = 0; round < l->round; round++) OLX_TRY(load_round(l, round, true));
   if (l->phase == OLX_LIGHT_REFINING) return load_round(l, l->round, false);
   return olx_unit_store_is_part(store) ? olx_units_load(store, &direct) : OLX_OK;
@@ -738,6 +840,7 @@ static olx_result resume(olx_scene_light *l, uint32_t *step) {
 // Casts the rays that the next step needs.
 static olx_result cast_for_step(olx_scene_light *l) {
   if (l->phase == OLX_LIGHT_DIRECT) return make_direct(l);
+  if (l->phase == OLX_LIGHT_DIVIDING) return make_records(l);
   return l->phase == OLX_LIGHT_GATHERING ? make_final(l) : cast_round(l);
 }
 

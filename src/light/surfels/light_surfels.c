@@ -112,6 +112,65 @@ static uint32_t seeing(const olx_light_surfels *s, uint32_t head, const olx_surf
   return head;
 }
 
+// A part of a cell, and the point in it that is nearest to its middle.
+typedef struct cell_part {
+  uint64_t key;
+  uint32_t point;
+  float distance; // squared
+} cell_part;
+
+static void offer_point(const olx_light_surfels *s, uint32_t point, uint32_t level, cell_part *parts, uint32_t *count) {
+  const uint64_t key = olx_cell_at_level(s->points[point].key, level);
+  const olx_vec3 position = position_of(s->scene, &s->points[point]);
+  const olx_vec3 way = olx_sub(position, olx_cell_middle(&s->grid, position, level));
+  const float distance = olx_dot(way, way);
+  uint32_t at = 0;
+  while (at < *count && parts[at].key != key) at++;
+  if (at == *count) parts[(*count)++] = (cell_part){key, point, INFINITY};
+  if (distance < parts[at].distance) parts[at] = (cell_part){key, point, distance};
+}
+
+// Finds the parts of a cell of `level` in which the points of a surfel lie; returns their number, 0 where the cell is
+// not divided.
+static uint32_t find_parts(const olx_light_surfels *s, const olx_light_surfel *surfel, uint64_t cell, uint32_t level,
+                           cell_part parts[OLX_CELL_PARTS]) {
+  uint32_t points = 0, count = 0;
+  float footprint = INFINITY;
+  for (uint32_t i = surfel->first_point; i < surfel->first_point + surfel->point_count; i++) {
+    if (olx_cell_at_level(s->points[i].key, level) != cell) continue;
+    points++;
+    footprint = olx_min(footprint, s->points[i].footprint);
+    offer_point(s, i, level - 1, parts, &count);
+  }
+  const bool small = 0.5f * olx_cell_side(&s->grid, level) < LEAST_FOOTPRINTS * footprint;
+  return points < LEAST_POINTS || small ? 0 : count;
+}
+
+uint32_t olx_light_surfels_part(const olx_light_surfels *s, uint32_t surfel, const olx_light_surfel *whole,
+                                olx_light_surfel parts[OLX_CELL_PARTS]) {
+  const uint32_t level = olx_cell_level(&s->grid, whole->side);
+  cell_part found[OLX_CELL_PARTS];
+  if (level == 0) return 0;
+  const uint32_t count = find_parts(s, &s->surfels[surfel], whole->cell, level, found);
+  if (count == 0) return 0;
+  uint32_t made = 1;
+  parts[0] = *whole;
+  parts[0].cell = olx_cell_at_level(whole->point.key, level - 1);
+  parts[0].side = 0.5f * whole->side;
+  for (uint32_t i = 0; i < count; i++) {
+    if (found[i].key == parts[0].cell) continue;
+    const place at = place_of(s->scene, &s->points[found[i].point]);
+    olx_light_surfel *part = &parts[made++];
+    *part = parts[0];
+    part->cell = found[i].key;
+    part->point = s->points[found[i].point];
+    part->position = at.position;
+    part->normal = at.normal;
+    part->nearest = olx_max(whole->nearest - olx_length(olx_sub(at.position, whole->position)), 0.0f);
+  }
+  return made;
+}
+
 uint64_t olx_light_surfels_cell(const olx_cell_table *table, uint64_t finest_key) {
   uint64_t cell = 0;
   for (uint32_t level = FIRST_LEVEL + 1; level-- > 0;) {

@@ -60,6 +60,14 @@ void olx_light_surfels_free(olx_light_surfels *surfels);
 // Adds surfels for points that no cell covers yet. The points are copied; their order does not matter.
 olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_point *points, uint32_t count);
 
+enum { OLX_CELL_PARTS = 8 };
+
+// Divides the cell of `whole`, which is that of surfel number `surfel` or a part of it. parts[0] receives `whole` with
+// the part of the cell in which it lies, and the next elements a place in each other part that has points, near the
+// part's middle. Returns the number of parts; 0 where points are too few or too far apart to divide the cell.
+uint32_t olx_light_surfels_part(const olx_light_surfels *surfels, uint32_t surfel, const olx_light_surfel *whole,
+                                olx_light_surfel parts[OLX_CELL_PARTS]);
+
 // Returns whether nothing occludes a nearby surface from a surfel.
 bool olx_light_surfels_see(const olx_light_surfels *surfels, const olx_light_surfel *surfel,
                            const olx_surface *surface);

@@ -40,6 +40,11 @@ static inline float olx_cell_side(const olx_cell_grid *grid, uint32_t level) {
   return ldexpf(grid->finest, (int)level);
 }
 
+// Returns the level of cells with a side in metres, which is one of theirs.
+static inline uint32_t olx_cell_level(const olx_cell_grid *grid, float side) {
+  return (uint32_t)ilogbf(side / grid->finest);
+}
+
 // Returns the centre of the cube of `level` that holds a point.
 olx_vec3 olx_cell_middle(const olx_cell_grid *grid, olx_vec3 position, uint32_t level);
 

@@ -15,6 +15,8 @@ static const float REACH = 1.2f, WIDER = 2.0f;
 // as that from a wall to a frame on it.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
+// Least cosine between any direction along the surface and the way to some surfel, where surfels farther away are added.
+static const float LEAST_AHEAD = 0.5f;
 static const float SLOPE_PENALTY = 0.01f;
 
 typedef struct cube_entry {
@@ -46,16 +48,10 @@ static uint64_t cube_key(const olx_cell_grid *grid, olx_vec3 position, uint32_t 
   return olx_cell_at_level(olx_cell_key(grid, position, olx_v3(0.0f, 1.0f, 0.0f)), level);
 }
 
-static uint32_t level_of(const olx_cell_grid *grid, float side) {
-  int exponent;
-  frexpf(side / grid->finest, &exponent);
-  return (uint32_t)(exponent - 1);
-}
-
 // Adds all cubes of the surfel's level that its influence touches near its plane.
 static olx_result add_cubes(const olx_light_surfels *s, uint32_t number, entry_list *list) {
   const olx_light_surfel *surfel = &s->surfels[number];
-  const uint32_t level = level_of(&s->grid, surfel->side);
+  const uint32_t level = olx_cell_level(&s->grid, surfel->side);
   const olx_vec3 middle = olx_cell_middle(&s->grid, surfel->position, level);
   for (int32_t z = -2; z <= 2; z++) {
     for (int32_t y = -2; y <= 2; y++) {
@@ -104,7 +100,7 @@ olx_result olx_surfel_lookup_create(olx_surfel_lookup *l, const olx_light_surfel
   entry_list list = {0};
   olx_result result = OLX_OK;
   for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
-    l->levels |= 1u << level_of(&surfels->grid, surfels->surfels[i].side);
+    l->levels |= 1u << olx_cell_level(&surfels->grid, surfels->surfels[i].side);
     result = add_cubes(surfels, i, &list);
   }
   if (result == OLX_OK) {
@@ -162,7 +158,9 @@ static void consider(const olx_light_surfels *s, uint32_t number, const olx_surf
   const float distance = sqrtf(squared), sine = sqrtf(olx_max(1.0f - cosine * cosine, 0.0f));
   const float off = PLANE_OF_SIDE * surfel->side + olx_min(sine, PLANE_OF_DISTANCE) * distance;
   if (fabsf(olx_dot(way, surfel->normal)) > off || fabsf(olx_dot(way, surface->geometric_normal)) > off) return;
-  const float near = (1.0f - distance / reach) * s->grid.finest / surfel->side;
+  // Both powers of the distance give about the same mean square distance.
+  const float close = 1.0f - distance / reach, closer = n->wider > 1.0f ? close * close * close : close;
+  const float near = closer * s->grid.finest / surfel->side;
   add_neighbour(
       n, (neighbour){
              .surfel = number, .weight = near * near, .x = olx_dot(way, n->tangent), .y = olx_dot(way, n->bitangent)});
@@ -206,12 +204,60 @@ static void collect(const olx_surfel_lookup *l, const olx_surface *surface, floa
   drop_hidden(l->surfels, surface, n);
 }
 
+// Returns whether there are neighbours on all sides of the point, so that a fit to them does not extrapolate.
+static bool is_surrounded(const neighbourhood *n) {
+  enum { DIRECTIONS = 8 };
+  for (uint32_t k = 0; k < DIRECTIONS; k++) {
+    const float angle = 2.0f * OLX_PI * (float)k / DIRECTIONS, x = cosf(angle), y = sinf(angle);
+    float most = 0.0f;
+    for (uint32_t i = 0; i < n->count; i++) {
+      const neighbour *m = &n->members[i];
+      most = olx_max(most, (x * m->x + y * m->y) / sqrtf(m->x * m->x + m->y * m->y));
+    }
+    if (most < LEAST_AHEAD) return false;
+  }
+  return true;
+}
+
 // The moments of a neighbourhood, in units of its mean distance.
 typedef struct moments {
   float w, x, y, xx, xy, yy;
 } moments;
 
-static moments sum_moments(neighbourhood *n) {
+static moments sum_moments(const olx_surfel_weights *n) {
+  moments sums = {0};
+  for (uint32_t i = 0; i < n->count; i++) {
+    const float w = n->near[i], x = n->way[i].x, y = n->way[i].y;
+    sums.w += w;
+    sums.x += w * x;
+    sums.y += w * y;
+    sums.xx += w * x * x;
+    sums.xy += w * x * y;
+    sums.yy += w * y * y;
+  }
+  sums.xx += SLOPE_PENALTY * sums.w;
+  sums.yy += SLOPE_PENALTY * sums.w;
+  return sums;
+}
+
+// A row of the inverse of the matrix of the normal equations, times `determinant`: the first gives the fit's value at
+// the point, the others its slopes.
+typedef struct fit_rows {
+  olx_vec3 value, slope_x, slope_y;
+  float determinant;
+  bool regular;
+} fit_rows;
+
+static fit_rows invert(const moments *s) {
+  fit_rows f = {.value = {s->xx * s->yy - s->xy * s->xy, s->xy * s->y - s->x * s->yy, s->x * s->xy - s->xx * s->y},
+                .slope_x = {s->xy * s->y - s->x * s->yy, s->w * s->yy - s->y * s->y, s->x * s->y - s->w * s->xy},
+                .slope_y = {s->x * s->xy - s->xx * s->y, s->x * s->y - s->w * s->xy, s->w * s->xx - s->x * s->x}};
+  f.determinant = s->w * f.value.x + s->x * f.value.y + s->y * f.value.z;
+  f.regular = f.determinant > 0.05f * s->w * s->xx * s->yy;
+  return f;
+}
+
+static void copy(const neighbourhood *n, olx_surfel_weights *weights) {
   float distance = 0.0f, weight = 0.0f;
   for (uint32_t i = 0; i < n->count; i++) {
     const neighbour *m = &n->members[i];
@@ -219,39 +265,49 @@ static moments sum_moments(neighbourhood *n) {
     weight += m->weight;
   }
   const float scale = distance > 0.0f ? weight / distance : 0.0f;
-  moments sums = {0};
+  weights->count = n->count;
+  weights->wide = n->wider > 1.0f;
   for (uint32_t i = 0; i < n->count; i++) {
-    neighbour *m = &n->members[i];
-    m->x *= scale;
-    m->y *= scale;
-    sums.w += m->weight;
-    sums.x += m->weight * m->x;
-    sums.y += m->weight * m->y;
-    sums.xx += m->weight * m->x * m->x;
-    sums.xy += m->weight * m->x * m->y;
-    sums.yy += m->weight * m->y * m->y;
+    const neighbour *m = &n->members[i];
+    weights->surfel[i] = m->surfel;
+    weights->near[i] = m->weight;
+    weights->way[i] = (olx_vec2){m->x * scale, m->y * scale};
   }
-  sums.xx += SLOPE_PENALTY * sums.w;
-  sums.yy += SLOPE_PENALTY * sums.w;
-  return sums;
 }
 
 // The value at the origin of the best-fitting plane is the sum of w_i (a + b x_i + c y_i) E_i, where a, b, c solve the
 // normal equations for the unit vector of the constant term.
-static void fit(neighbourhood *n, olx_surfel_weights *weights) {
-  const moments s = sum_moments(n);
-  const float a = s.xx * s.yy - s.xy * s.xy, b = s.xy * s.y - s.x * s.yy, c = s.x * s.xy - s.xx * s.y;
-  const float determinant = s.w * a + s.x * b + s.y * c;
-  const bool regular = determinant > 0.05f * s.w * s.xx * s.yy;
+static void fit(olx_surfel_weights *weights) {
+  const moments s = sum_moments(weights);
+  const fit_rows f = invert(&s);
   float sum = 0.0f;
-  for (uint32_t i = 0; i < n->count; i++) {
-    const neighbour *m = &n->members[i];
-    weights->surfel[i] = m->surfel;
-    weights->weight[i] = regular ? m->weight * (a + b * m->x + c * m->y) : m->weight;
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const olx_vec2 way = weights->way[i];
+    const float w = weights->near[i];
+    weights->weight[i] = f.regular ? w * olx_dot(f.value, olx_v3(1.0f, way.x, way.y)) : w;
     sum += weights->weight[i];
   }
-  weights->count = n->count;
-  for (uint32_t i = 0; i < n->count; i++) weights->weight[i] /= sum;
+  for (uint32_t i = 0; i < weights->count; i++) weights->weight[i] /= sum;
+}
+
+float olx_surfel_misfit(const olx_surfel_weights *weights, const float values[OLX_NEIGHBOURS_MOST]) {
+  const moments s = sum_moments(weights);
+  const fit_rows f = invert(&s);
+  olx_vec3 right = {0}; // of the normal equations
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const olx_vec2 way = weights->way[i];
+    right = olx_madd(right, olx_v3(1.0f, way.x, way.y), weights->near[i] * values[i]);
+  }
+  const olx_vec3 plane =
+      f.regular ? olx_scale(olx_v3(olx_dot(f.value, right), olx_dot(f.slope_x, right), olx_dot(f.slope_y, right)),
+                            1.0f / f.determinant)
+                : olx_v3(right.x / s.w, 0.0f, 0.0f);
+  float squares = 0.0f;
+  for (uint32_t i = 0; i < weights->count; i++) {
+    const olx_vec2 way = weights->way[i];
+    squares += weights->near[i] * olx_square(values[i] - olx_dot(plane, olx_v3(1.0f, way.x, way.y)));
+  }
+  return sqrtf(squares / s.w);
 }
 
 olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface) {
@@ -259,7 +315,12 @@ olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_s
   olx_surfel_weights weights = {0};
   olx_basis(surface->geometric_normal, &n.tangent, &n.bitangent);
   collect(lookup, surface, 1.0f, &n);
-  if (n.count < OLX_NEIGHBOURS_FEW) collect(lookup, surface, WIDER, &n);
-  if (n.count > 0) fit(&n, &weights);
+  if (n.count < OLX_NEIGHBOURS_FEW) {
+    neighbourhood wide = n;
+    collect(lookup, surface, WIDER, &wide);
+    if (is_surrounded(&wide)) n = wide;
+  }
+  copy(&n, &weights);
+  if (n.count > 0) fit(&weights);
   return weights;
 }

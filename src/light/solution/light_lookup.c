@@ -14,11 +14,11 @@ enum {
 
 // Light is not interpolated where the standard deviation over the neighbours is above this share of the mean.
 static const float ROUGH_SPREAD = 0.3f;
-// Cells are divided where it is above this share.
+// Cells are divided where the standard deviation of light over the records around one is above this share of its mean.
 static const float DIVIDED_SPREAD = 0.25f;
-// Where few records determine it, it is not interpolated above this share either, unless the rays that the point would
-// cast itself are expected to be less certain: their standard error, times this factor, is a share that is allowed,
-// too.
+// Where few records determine light, it is not interpolated above this share of its mean either, unless the rays that
+// the point would cast itself are expected to be less certain: their standard error, times this factor, is a share that
+// is allowed, too.
 static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // A point's own rays are as many as bring the standard error that is expected of them to this multiple of the bound on
 // noise, but for at most MOST_BATCHES times OLX_GATHER_RAYS. Records, between which light is interpolated, cast more.

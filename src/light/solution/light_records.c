@@ -62,10 +62,15 @@ static void find_varying(void *user, uint32_t job) {
   }
 }
 
-// Divides the cells of the records that vary, and counts the rays that the new records will cast.
+static bool are_too_many(const olx_scene_light *l) {
+  return l->records.places.count > OLX_LIGHT_MOST_RECORDS * l->visible;
+}
+
+// Divides the cells of the records that vary, until there are too many, and counts the rays that the new records will
+// cast.
 static olx_result divide(olx_scene_light *l, const uint8_t *varies, uint64_t *rays) {
   olx_light_records *r = &l->records;
-  for (uint32_t i = 0; i < r->lit; i++) {
+  for (uint32_t i = 0; i < r->lit && !are_too_many(l); i++) {
     olx_light_surfel parts[OLX_CELL_PARTS];
     if (!varies[i]) continue;
     const uint32_t count = olx_light_surfels_part(&l->surfels, r->surfel_of[i], &r->places.surfels[i], parts);
@@ -95,8 +100,7 @@ static olx_result divide_varying(olx_scene_light *l, uint8_t *varies, olx_light_
   OLX_TRY(olx_parallel_for(jobs, l->settings.threads, find_varying, &v, l->settings.task, 0));
   for (uint32_t i = 0; i < r->lit; i++) former[i] = r->places.surfels[i];
   OLX_TRY(divide(l, varies, &rays));
-  const bool many = r->places.count > OLX_LIGHT_MOST_RECORDS * l->visible;
-  if (many || rays > l->settings.most_final_rays) undo(r, former);
+  if (are_too_many(l) || rays > l->settings.most_final_rays) undo(r, former);
   return OLX_OK;
 }
 

@@ -98,9 +98,10 @@ static bool varies(const olx_scene_light *l, const olx_surfel_weights *weights, 
 }
 
 // Returns whether light must not be interpolated. Neighbours that were sought farther away may lie on a slope of light,
-// which a fit to enough of them follows.
+// which a fit to enough of them follows unless it is steep.
 static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
   const bool sloped = weights->wide && weights->count >= OLX_NEIGHBOURS_FEW;
+  if (sloped && varies(l, weights, false, ROUGH_SPREAD)) return true;
   return varies(l, weights, sloped, most_spread(l, weights));
 }
 

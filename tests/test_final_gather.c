@@ -32,7 +32,7 @@ static int set_up(void **state) {
   p->probes[0] = olx_v3(middle.x, 0.8f * p->scene->bounds_max.y, middle.z);
   p->probes[1] = olx_v3(0.8f * p->scene->bounds_max.x, middle.y, middle.z);
   p->settings = olx_scene_light_settings_default();
-  p->settings.map_size = 64;
+  p->settings.map_size = 128;
   p->settings.noise = 0.006f;
   p->settings.most_links = 1 << 16;
   *state = p;

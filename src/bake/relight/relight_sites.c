@@ -47,7 +47,7 @@ static void add_weight(site_draft *d, uint32_t surfel, uint32_t corner, float we
 // weights, which extrapolate, are left out. Returns false when there is no surfel at all: the surface lies in a fold.
 static bool weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
   const olx_scene_light_parts parts = olx_scene_light_open(light);
-  const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface);
+  const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface, false);
   for (uint32_t i = 0; i < weights.count; i++) {
     if (weights.weight[i] > 0.0f) add_weight(d, weights.surfel[i], corner, weights.weight[i]);
   }

@@ -70,13 +70,12 @@ uint32_t olx_light_record_batches(const olx_scene_light *l, uint32_t surfel) {
 }
 
 uint32_t olx_light_batches_at(const olx_scene_light *l, const olx_surface *surface) {
-  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface);
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
   return weights.count > 0 ? batches_wanted(l, expected_error(l, &weights)) : 1;
 }
 
-// Returns the standard deviation up to which the light of some neighbours is interpolated, as a share of its mean.
-static float most_spread(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  if (weights->count >= OLX_NEIGHBOURS_FEW && !weights->wide) return ROUGH_SPREAD;
+// Returns the standard deviation up to which the light of few neighbours is interpolated, as a share of its mean.
+static float spread_of_few(const olx_scene_light *l, const olx_surfel_weights *weights) {
   const float error = expected_error(l, weights), rays = (float)batches_wanted(l, error);
   return olx_clamp(FEW_NOISE * error / sqrtf(rays), FEW_SPREAD, ROUGH_SPREAD);
 }
@@ -97,16 +96,22 @@ static bool varies(const olx_scene_light *l, const olx_surfel_weights *weights, 
   return variance > olx_square(share * mean);
 }
 
-// Returns whether light must not be interpolated. Neighbours that were sought farther away may lie on a slope of light,
-// which a fit to enough of them follows unless it is steep.
-static bool is_rough(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  const bool sloped = weights->wide && weights->count >= OLX_NEIGHBOURS_FEW;
-  if (sloped && varies(l, weights, false, ROUGH_SPREAD)) return true;
-  return varies(l, weights, sloped, most_spread(l, weights));
+// Returns whether the neighbours near a point determine its light.
+static bool determines(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  if (weights->count < LEAST_NEIGHBOURS) return false;
+  const bool few = weights->count < OLX_NEIGHBOURS_FEW;
+  return !varies(l, weights, false, few ? spread_of_few(l, weights) : ROUGH_SPREAD);
+}
+
+// Returns whether neighbours that lie farther away determine the light of a point between them. They may lie on a slope
+// of light, which their fit follows unless it is steep.
+static bool determines_between(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  if (weights->count < OLX_NEIGHBOURS_FEW || varies(l, weights, false, ROUGH_SPREAD)) return false;
+  return !varies(l, weights, true, spread_of_few(l, weights));
 }
 
 bool olx_light_varies(const olx_scene_light *l, const olx_surface *surface) {
-  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface);
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
   float mean = 0.0f, square = 0.0f;
   for (uint32_t i = 0; i < weights.count; i++) {
     const float light = olx_luminance(l->records.irradiance[weights.surfel[i]]);
@@ -130,8 +135,11 @@ static olx_vec3 interpolate(const olx_surfel_weights *weights, const olx_vec3 li
 }
 
 bool olx_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
-  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface);
-  if (weights.count < LEAST_NEIGHBOURS || is_rough(l, &weights)) return false;
+  olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
+  if (!determines(l, &weights)) {
+    weights = olx_surfel_weigh(&l->records.lookup, surface, true);
+    if (!determines_between(l, &weights)) return false;
+  }
   olx_vec3 light[OLX_NEIGHBOURS_MOST];
   for (uint32_t i = 0; i < weights.count; i++) light[i] = l->records.irradiance[weights.surfel[i]];
   *irradiance = interpolate(&weights, light);
@@ -155,7 +163,7 @@ static olx_vec3 record_before(const olx_scene_light *l, uint32_t record) {
 }
 
 olx_vec3 olx_light_interpolate_before(const olx_scene_light *l, const olx_surface *surface) {
-  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface);
+  const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
   olx_vec3 light[OLX_NEIGHBOURS_MOST];
   for (uint32_t i = 0; i < weights.count; i++) light[i] = record_before(l, weights.surfel[i]);
   if (weights.count > 0) return interpolate(&weights, light);

@@ -7,15 +7,14 @@
 
 #include <stdlib.h>
 
-// Radius of a surfel's influence, in sides of its cell, and its multiple at points that have few surfels around them: at
-// the edge of a large cell that smaller ones adjoin.
+// Radius of a surfel's influence, in sides of its cell, and its multiple where surfels farther away are wanted.
 static const float REACH = 1.2f, WIDER = 2.0f;
 // Most distance of a point from a surfel's plane: this share of the cell's side, plus the distance between them times the
 // sine of the angle between their normals or this share, whichever is less. Between parallel planes there is a step, such
 // as that from a wall to a frame on it.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
-// Least cosine between any direction along the surface and the way to some surfel, where surfels farther away are added.
+// Least cosine between any direction along the surface and the way to some surfel, where surfels farther away are wanted.
 static const float LEAST_AHEAD = 0.5f;
 static const float SLOPE_PENALTY = 0.01f;
 
@@ -266,7 +265,6 @@ static void copy(const neighbourhood *n, olx_surfel_weights *weights) {
   }
   const float scale = distance > 0.0f ? weight / distance : 0.0f;
   weights->count = n->count;
-  weights->wide = n->wider > 1.0f;
   for (uint32_t i = 0; i < n->count; i++) {
     const neighbour *m = &n->members[i];
     weights->surfel[i] = m->surfel;
@@ -310,16 +308,12 @@ float olx_surfel_misfit(const olx_surfel_weights *weights, const float values[OL
   return sqrtf(squares / s.w);
 }
 
-olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface) {
+olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface, bool wide) {
   neighbourhood n = {0};
   olx_surfel_weights weights = {0};
   olx_basis(surface->geometric_normal, &n.tangent, &n.bitangent);
-  collect(lookup, surface, 1.0f, &n);
-  if (n.count < OLX_NEIGHBOURS_FEW) {
-    neighbourhood wide = n;
-    collect(lookup, surface, WIDER, &wide);
-    if (is_surrounded(&wide)) n = wide;
-  }
+  collect(lookup, surface, wide ? WIDER : 1.0f, &n);
+  if (wide && !is_surrounded(&n)) n.count = 0;
   copy(&n, &weights);
   if (n.count > 0) fit(&weights);
   return weights;

@@ -24,7 +24,6 @@ enum {
 // A linear fit at a point to the surfels around it.
 typedef struct olx_surfel_weights {
   uint32_t count;
-  bool wide; // few surfels are near the point, so that those farther away were added
   uint32_t surfel[OLX_NEIGHBOURS_MOST];
   float weight[OLX_NEIGHBOURS_MOST]; // weights whose sum is 1: the fit's value at the point is the weighted mean
   float near[OLX_NEIGHBOURS_MOST];   // by how much each surfel counts in the fit
@@ -32,8 +31,9 @@ typedef struct olx_surfel_weights {
 } olx_surfel_weights;
 
 // Returns the linear fit at `surface` to the surfels around it that lie on the same surface and see it. count is 0 when
-// there is none.
-olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface);
+// there is none. With `wide` surfels count that are up to twice as far away, provided that they lie on all sides: at the
+// edge of a large cell that smaller ones adjoin, few are near.
+olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface, bool wide);
 
 // Returns how far values of the surfels, one each, are off their linear fit, as a root mean square.
 float olx_surfel_misfit(const olx_surfel_weights *weights, const float values[OLX_NEIGHBOURS_MOST]);

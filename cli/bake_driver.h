@@ -16,8 +16,8 @@ typedef struct bake_driver {
   const char *name, *summary, *example;
   // Called when the options and files were checked, before the scene is loaded. Returns whether to go on.
   bool (*checked)(void *user);
-  // Runs all parts of the bake; may change the settings. Returns EXIT_DONE when a whole bake has only to collect the
-  // units, which this process then does; *collects is cleared where another process does it.
+  // Runs all parts of the bake; may change the settings. Returns EXIT_DONE when all units are stored and only the file
+  // remains to be made of them. This process makes it, unless *collects is cleared because another process does.
   int (*run)(void *user, driven_bake *bake, bool *collects);
   void *user;
 } bake_driver;

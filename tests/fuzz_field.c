@@ -255,7 +255,7 @@ static void spoil(dice *d, buffer *b) {
   for (uint32_t i = draw_below(d, 4) ? 1 : 3; i > 0; i--) ways[draw_below(d, sizeof ways / sizeof ways[0])](d, b);
   if (draw_below(d, 8)) seal(*b);
 }
-// --- Using what opened
+// ---- Using the fields that opened
 
 static dice current; // the round that a crash report names
 

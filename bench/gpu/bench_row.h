@@ -48,7 +48,7 @@ const char *bench_part_name(bench_part part);
 // Returns the least bytes per pixel that a pass must read and write in the frame's images.
 uint32_t bench_part_bytes(bench_part part);
 
-enum { BENCH_OLD = 0, BENCH_NEW, BENCH_PAIR }; // two-level + cage, hi-Z + bricks
+enum { BENCH_OLD = 0, BENCH_NEW, BENCH_PAIR }; // the two methods compared: two-level + cage, and hi-Z + bricks
 
 typedef enum bench_state { BENCH_SKIPPED = 0, BENCH_DONE, BENCH_FAILED } bench_state;
 

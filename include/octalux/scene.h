@@ -43,14 +43,18 @@ typedef struct olx_scene_info {
 // file, the element, the number found and the limit. Raise a limit for a trusted file that needs more. A limit of 0
 // means the default.
 typedef struct olx_scene_limits {
-  uint64_t
-      triangles;   // of the scene, those of instances counted each time; default 2^26, about 6 GiB while they are read
-  uint64_t texels; // of all images of the scene, 4 bytes each in memory (an environment 12); default 2^29
-  uint32_t
-      polygon_corners; // of one polygon of an OBJ file, whose triangulation takes their square in time; default 2048
-  uint32_t materials;  // of the scene, some 36 KiB each while an MTL file is read; default 8192
-  uint32_t nodes;      // of one model: glTF nodes and primitives, or OBJ objects, groups and changes of material, of
-                       // which each takes some 3 KiB while it is read; default 32768
+  // Triangles of the scene, those of instances counted each time; the default of 2^26 takes about 6 GiB while they
+  // are read.
+  uint64_t triangles;
+  // Texels of all images of the scene, 4 bytes each in memory, 12 of an environment; default 2^29.
+  uint64_t texels;
+  // Corners of one polygon of an OBJ file; its triangulation takes time in proportion to their square. Default 2048.
+  uint32_t polygon_corners;
+  // Materials of the scene, some 36 KiB each while an MTL file is read; default 8192.
+  uint32_t materials;
+  // Nodes and primitives of one glTF model, or objects, groups and changes of material of one OBJ model, some 3 KiB
+  // each while it is read; default 32768.
+  uint32_t nodes;
 } olx_scene_limits;
 
 // The instruction set with which rays are cast. Results differ slightly between these, so machines that must produce

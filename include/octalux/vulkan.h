@@ -62,8 +62,8 @@ typedef struct olx_vulkan_field olx_vulkan_field;
 typedef struct olx_vulkan_sizes {
   uint64_t device_bytes;  // in device-local memory, alignment included
   uint64_t classic_bytes; // for olx_vulkan_classic_create, in addition; 0 without classic maps, and of a frame
-  uint64_t staging_bytes; // of host-visible memory, during creation
-  uint32_t allocations;   // of device memory
+  uint64_t staging_bytes; // in host-visible memory, during creation alone
+  uint32_t allocations;   // number of allocations of device memory
 } olx_vulkan_sizes;
 
 // Computes what olx_vulkan_field_create would allocate, and olx_vulkan_classic_create after it (one more allocation,

@@ -37,7 +37,7 @@ typedef struct olx_chunk_traits {
   bool (*is_other)(const olx_field_info *info);       // whether it is stored in the second form; NULL: never
   uint64_t (*records_of)(const olx_field_info *info); // NULL: any number
   const olx_chunk_need *need;                         // NULL: optional
-  olx_field_part part;                                // to which it belongs
+  olx_field_part part;                                // the part of the field to which it belongs
   bool on_device;                                     // a Vulkan device holds it as it is in the file
   // Finds the chunk, and those that go with it, and checks what the runtime relies on; NULL where its size is all.
   // Chunks that the description determines are found before, and rows are opened in order.

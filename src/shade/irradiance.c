@@ -56,8 +56,8 @@ static olx_vec2 map_moments(const olx_irradiance_source *s, uint32_t probe, olx_
   return (olx_vec2){sum.x * s->distance_scale, sum.y * s->distance_scale * s->distance_scale};
 }
 
-// Returns an upper bound on the share of a probe's view around `offset` (from the probe) that is at least as far away
-// as that.
+// Returns an upper bound on the share of a probe's view around the direction of `offset` that is at least as far from
+// the probe as `offset` is long.
 static float chebyshev(const olx_irradiance_source *s, uint32_t probe, olx_vec3 offset) {
   const olx_vec2 moments = map_moments(s, probe, offset);
   const float r = olx_length(offset), beyond = r - moments.x;

@@ -61,8 +61,8 @@ typedef struct olx_unit_stage {
 // Returns whether unit 0 of a stage is stored; false for a NULL store.
 bool olx_units_have(const olx_unit_store *store, const olx_unit_stage *stage);
 
-// Reads a unit that was computed for another scene; the caller releases *data with olx_release, which is NULL where
-// there is none. Returns false where the stage has no such unit number. store may be NULL.
+// Reads a unit that was computed for another scene. *data is NULL where the unit is not stored; otherwise the caller
+// releases it with olx_release. Returns false where the stage has no unit of this number. store may be NULL.
 bool olx_units_read_stale(const olx_unit_store *store, const olx_unit_stage *stage, uint32_t unit, void **data,
                           size_t *size_bytes);
 // Returns whether the units 0 to count - 1 of a stage are stored; false for a NULL store, unless count is 0.

@@ -132,8 +132,9 @@ enum {
   OLX_REFLECT_BOUNCES = 2, // of surfaces
 };
 
-// Casts rays from `count` points of scratch->roots (paths[0] has everything but direction and pdf) and adds the light
-// that they find when surfaces carry direct light and `bounces` - 1 further bounces.
+// Casts rays from the first `count` points of scratch->roots, and adds to the points the light that the rays find when
+// surfaces carry direct light and `bounces` - 1 further bounces. The caller has filled scratch->paths[0] but for its
+// direction and pdf. `what` selects from the light that reflected rays bring.
 void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratch, uint32_t count, uint32_t bounces,
                            uint32_t what);
 

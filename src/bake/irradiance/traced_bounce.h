@@ -11,7 +11,7 @@
 #include "bake/capture/shade_batch.h"
 #include "bake/irradiance/quadrature.h"
 
-enum { OLX_BOUNCE_RAYS = 4 }; // from each gather point
+enum { OLX_BOUNCE_RAYS = 4 }; // rays that each gather point casts
 
 typedef struct olx_traced_bounce {
   // The caller's to fill.

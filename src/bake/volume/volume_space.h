@@ -7,8 +7,8 @@
 typedef struct olx_volume_space {
   const olx_scene *scene;
   olx_space space; // `reachable` is OLX_REACHABLE also where probes are
-  bool *outside;   // a voxel: free, not reached, and so are voxels from there to a face of their box
-  bool empty;      // nothing is free
+  bool *outside;   // per voxel: it and all voxels from there to a face of their box are free and not reached
+  bool empty;      // there are no free voxels
 } olx_volume_space;
 
 // Floods `resolution` voxels along the longest side from the scene's cameras, as placement does, and from positions

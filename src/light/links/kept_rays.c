@@ -145,7 +145,7 @@ void olx_kept_rays_save(const olx_kept_rays *kept, const olx_link_batch *batch, 
 // A unit of rays that were cast for another scene, as pointers into its bytes.
 typedef struct olx_former_unit {
   void *data;                        // owned
-  const olx_former_surfels *earlier; // its surfels; NULL: those of now
+  const olx_former_surfels *earlier; // the surfels that its rays end at; NULL: those of this scene
   bool *holds;                       // of each kind: whether nothing has changed that its rays depend on; owned
   const kept_header *header;
   const uint32_t *surfels;

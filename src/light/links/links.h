@@ -25,7 +25,7 @@ typedef struct olx_cast_keeping {
   atomic_uint_fast64_t *reused;         // counts those rays; NULL without `kept`
 } olx_cast_keeping;
 
-// keeping may be NULL. *rays counts all rays, with those that were not cast again.
+// `keeping` may be NULL. Adds all rays to *rays, including those that still hold and are not cast again.
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
 

@@ -99,7 +99,6 @@ static void damage(const place *p, const units_done *done) {
     left -= unlink(path) == 0;
   }
   remove_unit(p, "lookup-0-0");
-  remove_unit(p, "lookup-1-0");
   remove_unit(p, "final-0-1");
   remove_unit(p, "record-0-0");
 }

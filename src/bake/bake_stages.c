@@ -357,6 +357,7 @@ olx_result olx_bake_relight(olx_bake_run *b) {
   olx_task_stage(&b->context.task, "relighting");
   const double start = olx_seconds();
   b->relight = (olx_relight_bake){.context = &b->context, .light = b->light, .seed = b->shade.seed};
+  if (b->light) OLX_TRY(olx_relight_bake_look_up(&b->relight)); // joining has no light, and looks nothing up
   OLX_TRY(olx_units_make(b->store, &stage));
   b->stats.relight_seconds = olx_seconds() - start;
   return OLX_OK;
@@ -401,7 +402,7 @@ static olx_result find_sites(olx_bake_run *b, olx_relight_sites *sites) {
   const double start = olx_seconds();
   olx_relight_sites_free(sites);
   if (!b->context.settings->relight) return OLX_OK;
-  OLX_TRY(olx_relight_sites_add(sites, &b->capture, b->light));
+  OLX_TRY(olx_relight_sites_add(sites, &b->capture, &b->relight.lookup));
   b->stats.relight_seconds += olx_seconds() - start;
   return OLX_OK;
 }

@@ -32,22 +32,22 @@ static uint64_t step_bytes(const olx_scene_light *l) {
          patch_bytes(l);
 }
 
-static uint64_t lookup_bytes(const olx_scene_light *l) {
-  return l->lookup.list_words * (uint64_t)sizeof *l->lookup.lists + table_bytes(&l->lookup.cubes);
+static uint64_t lookup_bytes(const olx_surfel_lookup *l) {
+  return l->list_words * (uint64_t)sizeof *l->lists + table_bytes(&l->cubes);
 }
 
 // Returns the bytes of as many records as there may be, and of their lookup.
-static uint64_t record_bytes(const olx_scene_light *l) {
+static uint64_t record_bytes(const olx_scene_light *l, const olx_surfel_lookup *visible) {
   const uint64_t record = 2 * sizeof(olx_light_surfel) + sizeof(uint32_t) + sizeof(olx_vec3);
-  return OLX_LIGHT_MOST_RECORDS * (l->visible * record + lookup_bytes(l));
+  return OLX_LIGHT_MOST_RECORDS * (l->visible * record + lookup_bytes(visible));
 }
 
 // Returns the working memory of bounces, learning and measuring, or of sorting the largest lookup where that is more.
-static uint64_t work_bytes(const olx_scene_light *l) {
+static uint64_t work_bytes(const olx_scene_light *l, const olx_surfel_lookup *visible) {
   const uint64_t surfel = OLX_BOUNCES_KEPT * sizeof(olx_vec3) + sizeof(double) + 2 * sizeof(float);
   const uint64_t solving = l->surfels.count * surfel + l->guide.pool_count * 2 * sizeof(olx_guide_sums);
   const uint64_t sorting =
-      OLX_LIGHT_MOST_RECORDS * l->lookup.list_words * (uint64_t)(SORT_COPIES * 2 * sizeof(uint64_t));
+      OLX_LIGHT_MOST_RECORDS * visible->list_words * (uint64_t)(SORT_COPIES * 2 * sizeof(uint64_t));
   return solving > sorting ? solving : sorting;
 }
 
@@ -67,10 +67,11 @@ static uint64_t unit_bytes(const olx_scene_light *l) {
   return most > cast ? most : cast;
 }
 
-static void count(const olx_scene_light *l, olx_light_needs *needs) {
+static void count(const olx_scene_light *l, const olx_surfel_lookup *visible, olx_light_needs *needs) {
   *needs = (olx_light_needs){.surfels = l->surfels.count,
-                             .state_bytes = step_bytes(l) + point_bytes(l) + lookup_bytes(l) + record_bytes(l),
-                             .work_bytes = work_bytes(l),
+                             .state_bytes = step_bytes(l) + point_bytes(l) + record_bytes(l, visible),
+                             .lookup_bytes = lookup_bytes(visible),
+                             .work_bytes = work_bytes(l, visible),
                              .link_bytes = link_bytes(l),
                              .thread_bytes = 4 * (uint64_t)OLX_LINKS_AT_A_TIME,
                              .unit_bytes = unit_bytes(l)};
@@ -79,9 +80,11 @@ static void count(const olx_scene_light *l, olx_light_needs *needs) {
 static olx_result explore(olx_scene_light *l, olx_light_needs *needs) {
   OLX_TRY(olx_light_units_explore(l));
   OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
-  OLX_TRY(olx_light_units_look_up(l));
-  count(l, needs);
-  return OLX_OK;
+  olx_surfel_lookup visible;
+  const olx_result result = olx_surfel_lookup_create(&visible, &l->surfels, l->visible);
+  if (result == OLX_OK) count(l, &visible, needs);
+  olx_surfel_lookup_free(&visible);
+  return result;
 }
 
 olx_result olx_light_needs_find(const olx_scene *scene, const olx_scene_light_settings *settings,

@@ -84,7 +84,7 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) {
 }
 
 olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
-  return (olx_scene_light_parts){&l->surfels, &l->links, &l->lookup, l->direct, l->irradiance};
+  return (olx_scene_light_parts){&l->surfels, &l->links, l->visible, l->direct, l->irradiance};
 }
 
 bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {

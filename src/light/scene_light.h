@@ -51,7 +51,7 @@ olx_result olx_scene_light_load_links(olx_scene_light *light);
 typedef struct olx_scene_light_parts {
   const olx_light_surfels *surfels;
   const olx_light_links *links;
-  const olx_surfel_lookup *lookup;     // finds visible surfels
+  uint32_t visible;                    // number of surfels on surfaces that probes see, which come first
   const olx_vec3 *direct, *irradiance; // of all surfels, W/m^2
 } olx_scene_light_parts;
 

@@ -34,8 +34,8 @@ static uint64_t plan_bytes(const olx_bake_run *b) {
   return bytes;
 }
 
-// Returns the bytes of relighting's data: links of surfels and of volume probes, sites of texels, lists of them that
-// grow, and the structure that is written.
+// Returns the bytes of relighting's data: the lookup of surfels, links of surfels and of volume probes, sites of texels,
+// lists of them that grow, and the structure that is written.
 static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *light) {
   const olx_bake_settings *s = b->context.settings;
   const uint64_t places = light->surfels + (uint64_t)b->volume.cells.probe_count;
@@ -43,7 +43,7 @@ static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *ligh
   const uint64_t at_a_time = places < OLX_RELIGHT_PLACES ? places : OLX_RELIGHT_PLACES;
   const uint64_t stored = light->surfels * sizeof(olx_relight_surfel) +
                           places * OLX_RELIGHT_MOST_LINKS * sizeof(olx_relight_volume_link) + texels;
-  return s->relight ? 3 * stored + at_a_time * OLX_RELIGHT_MOST_LINKS * sizeof(olx_few_link) : 0;
+  return s->relight ? light->lookup_bytes + 3 * stored + at_a_time * OLX_RELIGHT_MOST_LINKS * sizeof(olx_few_link) : 0;
 }
 
 // Returns the bytes of the store's largest unit that is not one of the light's.

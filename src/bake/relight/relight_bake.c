@@ -199,7 +199,13 @@ olx_result olx_relight_bake_probe(olx_relight_bake *b, const olx_relight_sites *
   return olx_relight_sites_append(&b->sites, probe);
 }
 
+olx_result olx_relight_bake_look_up(olx_relight_bake *b) {
+  const olx_scene_light_parts parts = olx_scene_light_open(b->light);
+  return olx_surfel_lookup_create(&b->lookup, parts.surfels, parts.visible);
+}
+
 void olx_relight_bake_free(olx_relight_bake *b) {
+  olx_surfel_lookup_free(&b->lookup);
   olx_release(b->stored);
   olx_release(b->surfels.starts);
   olx_release(b->surfels.links);

@@ -7,6 +7,7 @@
 #include "bake/relight/few_links.h"
 #include "bake/relight/relight_sites.h"
 #include "field/field_writer.h"
+#include "light/scene_light.h"
 
 enum {
   OLX_RELIGHT_MOST_LINKS = 256, // per place
@@ -24,7 +25,8 @@ typedef struct olx_relight_bake {
   olx_bake_context *context;
   const olx_scene_light *light;
   uint32_t seed;
-  uint64_t rays; // rays cast
+  uint64_t rays;            // rays cast
+  olx_surfel_lookup lookup; // of visible surfels
   uint32_t surfel_count;
   olx_relight_surfel *stored; // encoded as in the file
   olx_relight_rows surfels, volume;
@@ -43,6 +45,8 @@ olx_result olx_relight_bake_load(olx_relight_bake *bake, olx_byte_reader *from);
 
 // Finds the links of the irradiance volume's probes.
 olx_result olx_relight_bake_volume(olx_relight_bake *bake, const olx_vec3 *positions, uint32_t count);
+// Builds the lookup of visible surfels.
+olx_result olx_relight_bake_look_up(olx_relight_bake *bake);
 // Adds the sites of a light field probe. The caller adds all probes, in order.
 olx_result olx_relight_bake_probe(olx_relight_bake *bake, const olx_relight_sites *probe);
 // Writes the structure to the file, once the sites of all probes are added.

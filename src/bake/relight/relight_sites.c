@@ -29,7 +29,7 @@ typedef struct block_sites {
 
 typedef struct site_job {
   const olx_capture *capture;
-  const olx_scene_light *light;
+  const olx_surfel_lookup *surfels;
   block_sites *blocks;
 } site_job;
 
@@ -45,15 +45,14 @@ static void add_weight(site_draft *d, uint32_t surfel, uint32_t corner, float we
 
 // Collects the weights of the surfels around a surface, or of the one that serves it where there are none. Negative
 // weights, which extrapolate, are left out. Returns false when there is no surfel at all: the surface lies in a fold.
-static bool weigh(const olx_scene_light *light, const olx_surface *surface, uint32_t corner, site_draft *d) {
-  const olx_scene_light_parts parts = olx_scene_light_open(light);
-  const olx_surfel_weights weights = olx_surfel_weigh(parts.lookup, surface, false);
+static bool weigh(const olx_surfel_lookup *lookup, const olx_surface *surface, uint32_t corner, site_draft *d) {
+  const olx_surfel_weights weights = olx_surfel_weigh(lookup, surface, false);
   for (uint32_t i = 0; i < weights.count; i++) {
     if (weights.weight[i] > 0.0f) add_weight(d, weights.surfel[i], corner, weights.weight[i]);
   }
   if (weights.count > 0) return true;
-  const uint64_t key = olx_cell_key(&parts.surfels->grid, surface->position, surface->geometric_normal);
-  const uint32_t near = olx_light_surfels_find(parts.surfels, key, surface, INFINITY).surfel;
+  const uint64_t key = olx_cell_key(&lookup->surfels->grid, surface->position, surface->geometric_normal);
+  const uint32_t near = olx_light_surfels_find(lookup->surfels, key, surface, INFINITY).surfel;
   if (near != OLX_CELL_NONE) add_weight(d, near, corner, 1.0f);
   return near != OLX_CELL_NONE;
 }
@@ -103,7 +102,7 @@ static void light_flat(const site_job *j, const olx_block_surfaces *s, block_sit
   static const uint32_t corners[CORNERS] = {0, OLX_BLOCK_SIDE - 1, OLX_BLOCK_TEXELS - OLX_BLOCK_SIDE,
                                             OLX_BLOCK_TEXELS - 1};
   site_draft draft = {.count = 0};
-  for (uint32_t c = 0; c < CORNERS; c++) weigh(j->light, &s->surface[corners[c]], c, &draft);
+  for (uint32_t c = 0; c < CORNERS; c++) weigh(j->surfels, &s->surface[corners[c]], c, &draft);
   finish_site(&draft, &b->sites[b->count++]);
 }
 
@@ -129,7 +128,7 @@ static void light_site(const site_job *j, const olx_block_surfaces *s, uint32_t 
   for (uint32_t c = 0; c < CORNERS; c++) {
     for (uint32_t left = texels; left != 0;) {
       const uint32_t i = nearest_to(c, left);
-      if (weigh(j->light, &s->surface[i], c, &draft)) break;
+      if (weigh(j->surfels, &s->surface[i], c, &draft)) break;
       left &= ~(1u << i);
     }
   }
@@ -236,9 +235,10 @@ static olx_result append(olx_relight_sites *s, const block_sites *blocks, uint32
   return OLX_OK;
 }
 
-olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture, const olx_scene_light *light) {
+olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture,
+                                 const olx_surfel_lookup *surfels) {
   const uint32_t rows = capture->size / OLX_BLOCK_SIDE;
-  site_job j = {.capture = capture, .light = light, .blocks = olx_allocate((size_t)rows * rows, sizeof *j.blocks)};
+  site_job j = {.capture = capture, .surfels = surfels, .blocks = olx_allocate((size_t)rows * rows, sizeof *j.blocks)};
   if (!j.blocks) return olx_fail(OLX_ERROR_MEMORY, "relight: out of memory for sites");
   olx_result result = olx_bake_for(capture->context, rows, light_row, &j, 0);
   if (result == OLX_OK) result = append(sites, j.blocks, rows * rows);

@@ -5,7 +5,7 @@
 
 #include "bake/capture/capture.h"
 #include "field/relight_data.h"
-#include "light/scene_light.h"
+#include "light/surfels/surfel_lookup.h"
 #include "work/byte_stream.h"
 
 // The sites of all probes captured so far. The arrays grow as probes are added.
@@ -16,9 +16,10 @@ typedef struct olx_relight_sites {
   uint32_t block_count, block_most, site_count, site_most, entry_count, entry_most;
 } olx_relight_sites;
 
-// Appends the sites of the latest captured probe. Fails when memory runs out or when there are more sites than a file
+// Appends the sites of the latest captured probe, whose light `surfels` finds. Fails when memory runs out or when there are more sites than a file
 // can hold.
-olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture, const olx_scene_light *light);
+olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture,
+                                 const olx_surfel_lookup *surfels);
 // Appends the sites of another list.
 olx_result olx_relight_sites_append(olx_relight_sites *sites, const olx_relight_sites *more);
 // Serializes sites, and loads them into an empty list.

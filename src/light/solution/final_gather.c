@@ -55,22 +55,24 @@ static uint32_t unit_end(const olx_scene_light *l, uint32_t first) {
   return end;
 }
 
-uint32_t olx_final_gather_first(const olx_scene_light *l, uint32_t unit) {
+static uint32_t first_of(const olx_scene_light *l, uint32_t unit) {
   uint32_t first = 0;
   while (unit-- > 0) first = unit_end(l, first);
   return first;
 }
 
-uint32_t olx_final_gather_units(const olx_scene_light *l) {
+static uint32_t units_of(const olx_scene_light *l) {
   uint32_t units = 0;
   for (uint32_t first = 0; first < l->visible; units++) first = unit_end(l, first);
   return units;
 }
 
-olx_result olx_final_gather_make_room(olx_scene_light *l) {
+static void *array_of(olx_scene_light *l) {
   if (!l->found) l->found = olx_allocate_zero(l->visible, sizeof *l->found);
-  return l->found ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->visible);
+  return l->found;
 }
+
+static uint32_t round_of(const olx_scene_light *l) { return l->gathering; }
 
 typedef struct final_job {
   olx_scene_light *light;
@@ -92,7 +94,7 @@ static void gather_some(void *user, uint32_t job) {
   }
 }
 
-olx_result olx_final_gather_cast(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
+static olx_result cast(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
   const uint32_t jobs = (end - first + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   final_job f = {.light = l, .first = first, .end = end, .rays = olx_allocate_zero(jobs, sizeof *f.rays)};
   if (!f.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", end - first);
@@ -101,6 +103,8 @@ olx_result olx_final_gather_cast(olx_scene_light *l, uint32_t first, uint32_t en
   olx_release(f.rays);
   return result;
 }
+
+const olx_light_ranges olx_final_ranges = {"final", sizeof(olx_ray_sum), round_of, units_of, first_of, array_of, cast};
 
 void olx_final_gather_settle(olx_scene_light *l) {
   for (uint32_t i = 0; i < l->visible; i++) {

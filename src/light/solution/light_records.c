@@ -120,11 +120,11 @@ olx_result olx_light_records_plan(olx_scene_light *l, uint32_t round, bool *any)
   return result;
 }
 
-uint32_t olx_light_records_units(const olx_scene_light *l) {
+static uint32_t units_of(const olx_scene_light *l) {
   return (l->records.places.count - l->records.lit + RECORDS_A_UNIT - 1) / RECORDS_A_UNIT;
 }
 
-uint32_t olx_light_records_first(const olx_scene_light *l, uint32_t unit) {
+static uint32_t first_of(const olx_scene_light *l, uint32_t unit) {
   const uint32_t first = l->records.lit + unit * RECORDS_A_UNIT;
   return first < l->records.places.count ? first : l->records.places.count;
 }
@@ -148,7 +148,7 @@ static void light_some(void *user, uint32_t job) {
   }
 }
 
-olx_result olx_light_records_cast(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
+static olx_result cast(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
   const uint32_t jobs = (end - first + RECORDS_PER_JOB - 1) / RECORDS_PER_JOB;
   record_job j = {.light = l, .first = first, .end = end, .rays = olx_allocate_zero(jobs, sizeof *j.rays)};
   if (!j.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u records", end - first);
@@ -157,6 +157,12 @@ olx_result olx_light_records_cast(olx_scene_light *l, uint32_t first, uint32_t e
   olx_release(j.rays);
   return result;
 }
+
+static uint32_t round_of(const olx_scene_light *l) { return l->records.round; }
+
+static void *array_of(olx_scene_light *l) { return l->records.irradiance; }
+
+const olx_light_ranges olx_record_ranges = {"record", sizeof(olx_vec3), round_of, units_of, first_of, array_of, cast};
 
 void olx_light_records_settle(olx_scene_light *l) { l->records.lit = l->records.places.count; }
 

@@ -4,18 +4,14 @@
 #ifndef OLX_LIGHT_LIGHT_RECORDS_H
 #define OLX_LIGHT_LIGHT_RECORDS_H
 
-#include "light/solution/light_solution.h"
+#include "light/solution/light_ranges.h"
 
 // Divides the cells of records between which light varies. Returns in *any whether there are new records to light: none
 // where they would take more than most_final_rays, or where there would be OLX_LIGHT_MOST_RECORDS times as many records
 // as visible surfels.
 olx_result olx_light_records_plan(olx_scene_light *light, uint32_t round, bool *any);
-// Returns the number of units of the planned round, and the first record of a unit; of that after the last, the number
-// of records.
-uint32_t olx_light_records_units(const olx_scene_light *light);
-uint32_t olx_light_records_first(const olx_scene_light *light, uint32_t unit);
-// Lights records first to end - 1, and counts their rays in *rays.
-olx_result olx_light_records_cast(olx_scene_light *light, uint32_t first, uint32_t end, uint64_t *rays);
+// The irradiance of the planned round's records.
+extern const olx_light_ranges olx_record_ranges;
 void olx_light_records_settle(olx_scene_light *light);
 // Builds the lookup of all records.
 olx_result olx_light_records_look_up(olx_scene_light *light);

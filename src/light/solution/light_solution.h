@@ -67,11 +67,10 @@ struct olx_scene_light {
   olx_ray_sum *found;            // per visible surfel, of the final rays of this round
   uint32_t *final_rays;          // per visible surfel, number of final rays in this round
   uint32_t gathering;            // number of this round
-  uint32_t visible;         // number of surfels on surfaces that probes see; the others, which only pass light on, come
-                            // after them
-  uint32_t served;          // number of surfels that have rays or get them next
-  uint32_t first_rays;      // rays of each surfel in the first round
-  olx_surfel_lookup lookup; // of visible surfels
+  uint32_t visible;    // number of surfels on surfaces that probes see; the others, which only pass light on, come
+                       // after them
+  uint32_t served;     // number of surfels that have rays or get them next
+  uint32_t first_rays; // rays of each surfel in the first round
   olx_light_records records;
   olx_scene_light_report report;
   atomic_uint_fast64_t reused_rays; // rays that were not cast, because they were for another scene and still hold

@@ -11,7 +11,6 @@
 #include "light/solution/light_checkpoint.h"
 #include "light/solution/light_noise.h"
 #include "light/solution/light_records.h"
-#include "light/surfels/surfel_lookup.h"
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
 
@@ -21,6 +20,7 @@ enum {
   LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
   MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
   ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
+  DIRECT_A_UNIT = 1 << 12,  // surfels
   FEW_BOUNCES = 4,          // bounces from which noise is estimated
   MOST_VIEW_SIDE = 1024,    // most rays along the side of a probe's view map
   LEAST_VIEW_SIDE = 32,     // least rays along the side of that map
@@ -213,21 +213,36 @@ static void light_directly(void *user, uint32_t job) {
   for (uint32_t i = first; i < end; i++) d->light->direct[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
 }
 
-olx_result olx_scene_light_direct(olx_scene_light *l, uint32_t first, uint32_t count, uint64_t *rays) {
-  const uint32_t jobs = (count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
+static olx_result fill_direct(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
+  const uint32_t jobs = (end - first + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
   uint32_t points = LEAST_DIRECT;
   while (points < MOST_DIRECT && (uint64_t)points * l->surfels.count < ALL_DIRECT) points *= 2;
-  direct_job d = {.light = l,
-                  .points = points,
-                  .first = first,
-                  .end = first + count,
-                  .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
-  if (!d.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  direct_job d = {
+      .light = l, .points = points, .first = first, .end = end, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
+  if (!d.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", end - first);
   const olx_result result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
   for (uint32_t i = 0; i < jobs; i++) *rays += d.rays[i];
   olx_release(d.rays);
   return result;
 }
+
+static uint32_t direct_round(const olx_scene_light *l) {
+  (void)l;
+  return 0;
+}
+
+static uint32_t direct_units(const olx_scene_light *l) {
+  return (l->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
+}
+
+static uint32_t direct_first(const olx_scene_light *l, uint32_t unit) {
+  return unit < direct_units(l) ? unit * DIRECT_A_UNIT : l->surfels.count;
+}
+
+static void *direct_array(olx_scene_light *l) { return l->direct; }
+
+const olx_light_ranges olx_direct_ranges = {"direct",     sizeof(olx_vec3), direct_round, direct_units,
+                                            direct_first, direct_array,     fill_direct};
 
 static olx_result begin_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
@@ -419,7 +434,6 @@ void olx_scene_light_clear(olx_scene_light *l) {
   olx_release(l->noise);
   olx_final_gather_free(l);
   olx_ray_guide_free(&l->guide);
-  olx_surfel_lookup_free(&l->lookup);
   olx_light_records_free(&l->records);
   olx_light_surfels_free(&l->surfels);
   *l = (olx_scene_light){.scene = l->scene,

@@ -2,13 +2,14 @@
 #ifndef OLX_LIGHT_LIGHT_STEPS_H
 #define OLX_LIGHT_LIGHT_STEPS_H
 
-#include "light/solution/light_solution.h"
+#include "light/solution/light_ranges.h"
 
-// The parts of the solution: the first step, which finds surfaces; the direct light of a range of surfels; and the
-// steps that follow once the rays of a round, or direct light, are complete.
+// The first step, which finds surfaces.
 olx_result olx_scene_light_begin(olx_scene_light *light);
-olx_result olx_scene_light_direct(olx_scene_light *light, uint32_t first, uint32_t count, uint64_t *rays);
+// The step that follows once the rays of a round, or the array of one, are complete.
 olx_result olx_scene_light_settle(olx_scene_light *light);
+// Direct light of all surfels. Its points must be in memory to fill it.
+extern const olx_light_ranges olx_direct_ranges;
 // Releases the solution's data.
 void olx_scene_light_clear(olx_scene_light *light);
 

@@ -1,5 +1,5 @@
-// Runs the steps that solve a scene's light as units: rays by groups of surfels, direct light by larger groups, and one
-// unit for the result of each round, from which another run, or another partial bake, continues.
+// Runs the steps that solve a scene's light as units: rays by groups of surfels, arrays by ranges, and one unit for the
+// result of each round, from which another run, or another partial bake, continues.
 #include "light/solution/light_units.h"
 
 #include "core/hooks.h"
@@ -7,13 +7,12 @@
 #include "light/links/kept_rays.h"
 #include "light/links/link_batch.h"
 #include "light/solution/final_gather.h"
+#include "light/solution/light_ranges.h"
 #include "light/solution/light_records.h"
 #include "light/solution/light_state.h"
 #include "light/solution/light_steps.h"
 
 #include <string.h>
-
-enum { DIRECT_A_UNIT = 1 << 12 }; // surfels
 
 // The units of one round of casting.
 typedef struct cast_stage {
@@ -302,186 +301,11 @@ static olx_result need_points(olx_scene_light *l) {
   return result;
 }
 
-// ---- Direct light
-
-typedef struct direct_stage {
-  olx_scene_light *light;
-  uint64_t rays; // rays that the last unit cast
-} direct_stage;
-
-static uint32_t direct_count(const olx_scene_light *l, uint32_t unit) {
-  const uint32_t left = l->surfels.count - unit * DIRECT_A_UNIT;
-  return left < DIRECT_A_UNIT ? left : DIRECT_A_UNIT;
-}
-
-static olx_result light_unit(void *user, uint32_t unit) {
-  direct_stage *d = user;
-  d->rays = 0;
-  OLX_TRY(need_points(d->light));
-  OLX_TRY(olx_scene_light_direct(d->light, unit * DIRECT_A_UNIT, direct_count(d->light, unit), &d->rays));
-  if (!olx_unit_store_is_part(d->light->settings.store)) d->light->report.rays += d->rays;
-  return OLX_OK;
-}
-
-static void save_direct(void *user, uint32_t unit, olx_byte_writer *to) {
-  const direct_stage *d = user;
-  olx_bytes_put(to, &d->rays, 1, sizeof d->rays);
-  olx_bytes_put(to, d->light->direct + unit * DIRECT_A_UNIT, direct_count(d->light, unit), sizeof *d->light->direct);
-}
-
-static olx_result load_direct(void *user, uint32_t unit, olx_byte_reader *from) {
-  const direct_stage *d = user;
-  olx_scene_light *l = d->light;
-  uint64_t rays = 0;
-  olx_bytes_copy(from, &rays, 1, sizeof rays);
-  olx_bytes_copy(from, l->direct + unit * DIRECT_A_UNIT, direct_count(l, unit), sizeof *l->direct);
-  l->report.rays += rays;
-  return OLX_OK;
-}
-
-static olx_unit_stage direct_of(direct_stage *d) {
-  const uint32_t units = (d->light->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
-  return (olx_unit_stage){"direct", 0, units, d, light_unit, save_direct, load_direct, OLX_PARTS_ALL};
-}
-
-static olx_result make_direct(olx_scene_light *l) {
-  direct_stage d = {.light = l};
-  const olx_unit_stage stage = direct_of(&d);
-  if (!l->settings.store) return olx_scene_light_direct(l, 0, l->surfels.count, &l->report.rays);
-  const olx_result result = olx_units_make(l->settings.store, &stage);
-  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
-}
-
-// ---- Final rays
-
-typedef struct final_stage {
-  olx_scene_light *light;
-  uint64_t rays; // rays that the last unit cast
-} final_stage;
-
-static olx_result gather_unit(void *user, uint32_t unit) {
-  final_stage *f = user;
-  olx_scene_light *l = f->light;
-  f->rays = 0;
-  OLX_TRY(olx_final_gather_make_room(l));
-  OLX_TRY(olx_final_gather_cast(l, olx_final_gather_first(l, unit), olx_final_gather_first(l, unit + 1), &f->rays));
-  if (!olx_unit_store_is_part(l->settings.store)) l->report.rays += f->rays;
-  return OLX_OK;
-}
-
-static void save_final(void *user, uint32_t unit, olx_byte_writer *to) {
-  const final_stage *f = user;
-  const uint32_t first = olx_final_gather_first(f->light, unit), end = olx_final_gather_first(f->light, unit + 1);
-  olx_bytes_put(to, &f->rays, 1, sizeof f->rays);
-  olx_bytes_put(to, f->light->found + first, end - first, sizeof *f->light->found);
-}
-
-static olx_result load_final(void *user, uint32_t unit, olx_byte_reader *from) {
-  const final_stage *f = user;
-  olx_scene_light *l = f->light;
-  const uint32_t first = olx_final_gather_first(l, unit), end = olx_final_gather_first(l, unit + 1);
-  uint64_t rays = 0;
-  OLX_TRY(olx_final_gather_make_room(l));
-  olx_bytes_copy(from, &rays, 1, sizeof rays);
-  olx_bytes_copy(from, l->found + first, end - first, sizeof *l->found);
-  l->report.rays += rays;
-  return OLX_OK;
-}
-
-static olx_unit_stage final_of(final_stage *f) {
-  const olx_scene_light *l = f->light;
-  const uint32_t units = l->phase == OLX_LIGHT_GATHERING ? olx_final_gather_units(l) : 0;
-  return (olx_unit_stage){"final", l->gathering, units, f, gather_unit, save_final, load_final, OLX_PARTS_ALL};
-}
-
-static olx_result make_final(olx_scene_light *l) {
-  final_stage f = {.light = l};
-  const olx_unit_stage stage = final_of(&f);
-  if (!l->settings.store) {
-    OLX_TRY(olx_final_gather_make_room(l));
-    return olx_final_gather_cast(l, 0, l->visible, &l->report.rays);
-  }
-  const olx_result result = olx_units_make(l->settings.store, &stage);
-  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
-}
-
-// Loads what the final rays of all parts brought; a whole bake has it.
-static olx_result load_final_units(olx_scene_light *l) {
-  final_stage f = {.light = l};
-  const olx_unit_stage stage = final_of(&f);
-  return olx_unit_store_is_part(l->settings.store) ? olx_units_load(l->settings.store, &stage) : OLX_OK;
-}
-
-// ---- Records
-
-typedef struct record_stage {
-  olx_scene_light *light;
-  uint64_t rays; // rays that the last unit cast
-} record_stage;
-
-static olx_result light_records(void *user, uint32_t unit) {
-  record_stage *r = user;
-  olx_scene_light *l = r->light;
-  r->rays = 0;
-  OLX_TRY(olx_light_records_cast(l, olx_light_records_first(l, unit), olx_light_records_first(l, unit + 1), &r->rays));
-  if (!olx_unit_store_is_part(l->settings.store)) l->report.rays += r->rays;
-  return OLX_OK;
-}
-
-static void save_records(void *user, uint32_t unit, olx_byte_writer *to) {
-  const record_stage *r = user;
-  const olx_scene_light *l = r->light;
-  const uint32_t first = olx_light_records_first(l, unit), end = olx_light_records_first(l, unit + 1);
-  olx_bytes_put(to, &r->rays, 1, sizeof r->rays);
-  olx_bytes_put(to, l->records.irradiance + first, end - first, sizeof *l->records.irradiance);
-}
-
-static olx_result load_records(void *user, uint32_t unit, olx_byte_reader *from) {
-  const record_stage *r = user;
-  olx_scene_light *l = r->light;
-  const uint32_t first = olx_light_records_first(l, unit), end = olx_light_records_first(l, unit + 1);
-  uint64_t rays = 0;
-  olx_bytes_copy(from, &rays, 1, sizeof rays);
-  olx_bytes_copy(from, l->records.irradiance + first, end - first, sizeof *l->records.irradiance);
-  l->report.rays += rays;
-  return OLX_OK;
-}
-
-static olx_unit_stage records_of(record_stage *r) {
-  const olx_scene_light *l = r->light;
-  const uint32_t units = l->phase == OLX_LIGHT_DIVIDING ? olx_light_records_units(l) : 0;
-  return (olx_unit_stage){"record",      l->records.round, units,        r,
-                          light_records, save_records,     load_records, OLX_PARTS_ALL};
-}
-
-static olx_result make_records(olx_scene_light *l) {
-  record_stage r = {.light = l};
-  const olx_unit_stage stage = records_of(&r);
-  if (!l->settings.store) {
-    return olx_light_records_cast(l, l->records.lit, l->records.places.count, &l->report.rays);
-  }
-  const olx_result result = olx_units_make(l->settings.store, &stage);
-  return result == OLX_ERROR_INCOMPLETE ? olx_units_await(l->settings.store, &stage) : result;
-}
-
-// Loads the light that all parts gathered for records; a whole bake has it.
-static olx_result load_record_units(olx_scene_light *l) {
-  record_stage r = {.light = l};
-  const olx_unit_stage stage = records_of(&r);
-  return olx_unit_store_is_part(l->settings.store) ? olx_units_load(l->settings.store, &stage) : OLX_OK;
-}
-
-// ---- The lookups: of visible surfels, and of records
-
-typedef struct lookup_stage {
-  olx_surfel_lookup *lookup;
-  const olx_light_surfels *places; // visible surfels are the first of all surfels, and all records have light
-  uint32_t count;
-} lookup_stage;
+// ---- The lookup of records
 
 static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
   (void)unit;
-  const olx_surfel_lookup *lookup = ((const lookup_stage *)user)->lookup;
+  const olx_surfel_lookup *lookup = &((const olx_scene_light *)user)->records.lookup;
   const uint32_t numbers[] = {lookup->levels, lookup->list_words};
   olx_bytes_put(to, numbers, 2, sizeof *numbers);
   olx_bytes_put(to, lookup->lists, lookup->list_words, sizeof *lookup->lists);
@@ -490,33 +314,24 @@ static void save_lookup(void *user, uint32_t unit, olx_byte_writer *to) {
 
 static olx_result load_lookup(void *user, uint32_t unit, olx_byte_reader *from) {
   (void)unit;
-  const lookup_stage *l = user;
+  olx_light_records *r = &((olx_scene_light *)user)->records;
   uint32_t numbers[2] = {0};
-  olx_surfel_lookup_free(l->lookup);
+  olx_surfel_lookup_free(&r->lookup);
   olx_bytes_copy(from, numbers, 2, sizeof *numbers);
-  *l->lookup = (olx_surfel_lookup){.surfels = l->places, .levels = numbers[0], .list_words = numbers[1]};
-  l->lookup->lists = olx_bytes_take(from, numbers[1], sizeof *l->lookup->lists);
-  olx_cell_table_load(&l->lookup->cubes, from);
+  r->lookup = (olx_surfel_lookup){.surfels = &r->places, .levels = numbers[0], .list_words = numbers[1]};
+  r->lookup.lists = olx_bytes_take(from, numbers[1], sizeof *r->lookup.lists);
+  olx_cell_table_load(&r->lookup.cubes, from);
   return OLX_OK;
 }
 
-// Builds a lookup, or loads it; a damaged one is rebuilt.
-static olx_result look_up(olx_unit_store *store, uint32_t round, lookup_stage *l) {
-  const olx_unit_stage stage = {"lookup", round, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
-  if (olx_units_have(store, &stage)) {
-    const olx_result result = olx_units_load(store, &stage);
+olx_result olx_light_units_look_up(olx_scene_light *l) {
+  const olx_unit_stage stage = {"lookup", 0, 1, l, NULL, save_lookup, load_lookup, OLX_PARTS_ALL};
+  if (olx_units_have(l->settings.store, &stage)) {
+    const olx_result result = olx_units_load(l->settings.store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
   }
-  olx_surfel_lookup_free(l->lookup);
-  OLX_TRY(olx_surfel_lookup_create(l->lookup, l->places, l->count));
-  return olx_unit_keep(store, &stage);
-}
-
-olx_result olx_light_units_look_up(olx_scene_light *l) {
-  lookup_stage surfels = {&l->lookup, &l->surfels, l->visible},
-               records = {&l->records.lookup, &l->records.places, l->records.lit};
-  OLX_TRY(look_up(l->settings.store, 0, &surfels));
-  return look_up(l->settings.store, 1, &records);
+  OLX_TRY(olx_light_records_look_up(l)); // a damaged one is rebuilt
+  return olx_unit_keep(l->settings.store, &stage);
 }
 
 // ---- Loading links
@@ -575,16 +390,13 @@ static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
 // Loads what the next step needs: shading and settling need the links of every round, exploring only those of the last,
 // and final rays and records none. Exploring adds points, and those of visible surfels tell how cells may be divided.
 static olx_result load_for_settling(olx_scene_light *l) {
-  olx_unit_store *store = l->settings.store;
-  direct_stage d = {.light = l};
-  const olx_unit_stage direct = direct_of(&d);
   OLX_TRY(need_points(l));
   if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);
-  if (l->phase == OLX_LIGHT_GATHERING) return load_final_units(l);
-  if (l->phase == OLX_LIGHT_DIVIDING) return load_record_units(l);
+  if (l->phase == OLX_LIGHT_GATHERING) return olx_light_ranges_load(l, &olx_final_ranges);
+  if (l->phase == OLX_LIGHT_DIVIDING) return olx_light_ranges_load(l, &olx_record_ranges);
   for (uint32_t round = 0; round < l->round; round++) OLX_TRY(load_round(l, round, true));
   if (l->phase == OLX_LIGHT_REFINING) return load_round(l, l->round, false);
-  return olx_unit_store_is_part(store) ? olx_units_load(store, &direct) : OLX_OK;
+  return olx_light_ranges_load(l, &olx_direct_ranges);
 }
 
 olx_result olx_light_units_load_links(olx_scene_light *l) {
@@ -653,9 +465,11 @@ static olx_result resume(olx_scene_light *l, uint32_t *step) {
 
 // Casts the rays that the next step needs.
 static olx_result cast_for_step(olx_scene_light *l) {
-  if (l->phase == OLX_LIGHT_DIRECT) return make_direct(l);
-  if (l->phase == OLX_LIGHT_DIVIDING) return make_records(l);
-  return l->phase == OLX_LIGHT_GATHERING ? make_final(l) : cast_round(l);
+  if (l->phase == OLX_LIGHT_GATHERING) return olx_light_ranges_fill(l, &olx_final_ranges);
+  if (l->phase == OLX_LIGHT_DIVIDING) return olx_light_ranges_fill(l, &olx_record_ranges);
+  if (l->phase != OLX_LIGHT_DIRECT) return cast_round(l);
+  OLX_TRY(need_points(l));
+  return olx_light_ranges_fill(l, &olx_direct_ranges);
 }
 
 static olx_result run_steps(olx_scene_light *l) {

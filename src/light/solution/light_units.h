@@ -7,7 +7,7 @@
 
 #include "light/solution/light_solution.h"
 
-// Builds the lookup of surfels, or loads it.
+// Builds the lookup of records, or loads it.
 olx_result olx_light_units_look_up(olx_scene_light *light);
 
 // Runs all steps, or loads those that are stored.

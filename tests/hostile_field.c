@@ -89,7 +89,7 @@ static void use(dice *d, const olx_field *field, field_counts *c) {
     const olx_trace_hit hit = olx_trace(field, &settings, origin, direction, draw_t_max(d));
     check_hit(field, &hit);
     const uint32_t probe = draw_below(d, field->info.probes.count), texel = draw_below(d, (uint32_t)field->texels);
-    const olx_texel_light seen = olx_texel_shade(field, probe, texel, origin, direction);
+    const olx_texel_light seen = olx_texel_shade(field, probe, texel, origin, direction, false);
     const bool known =
         olx_finite(origin) && olx_finite(direction) && fabsf(olx_dot(direction, direction) - 1.0f) < 0.01f;
     if (known && !(olx_finite(seen.reflected) && olx_finite(seen.lobe))) fail("a texel sends light without end");

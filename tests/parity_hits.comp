@@ -63,7 +63,7 @@ void hits_rows() {
   } break;
   case ROW_olx_lit_share: put(olx_lit_share(abs(direction), vec3(random.x, 0.0, random.y))); break;
   case ROW_olx_texel_shade: {
-    olx_reflection light = olx_texel_shade(olx_map_origin(probe), texel, point, direction);
+    olx_reflection light = olx_texel_shade(olx_map_origin(probe), texel, point, direction, bits.x % 3u == 0u);
     put(light.reflected), put(light.lobe);
   } break;
   case ROW_olx_further_draw: {

@@ -81,7 +81,9 @@ ROW(highlight, const texel_surface t = some_surface(s); put_3(r, highlight(&t, s
 ROW(light_without_shadows, const texel_surface t = some_surface(s);
     const unshadowed free = light_without_shadows(s->field, &t); put_3(r, free.irradiance); put_3(r, free.specular);)
 ROW(lit_share, put_f(r, lit_share(absolute(s->direction), olx_v3(s->random[0], 0.0f, s->random[1])));)
-ROW(texel_shade, const olx_texel_light light = olx_texel_shade(s->field, s->probe, texel_of(s), s->point, s->direction);
+ROW(texel_shade,
+    const olx_texel_light light = olx_texel_shade(s->field, s->probe, texel_of(s), s->point, s->direction,
+                                                  s->bits[0] % 3u == 0u);
     put_3(r, light.reflected); put_3(r, light.lobe);)
 ROW(further_draw, const olx_trace_hit hit = some_hit(s, OLX_TRACE_HIT); olx_further_ray ray;
     const bool drawn = olx_further_draw(s->field, &hit, olx_negate(s->view), random_2(s), &ray); put_u(r, drawn);

@@ -87,7 +87,7 @@ static void furnace_keeps_its_light(olx_bake_light light) {
       const size_t texel = texel_at(x, y);
       const olx_vec3 direction = towards(x, y),
                      position = olx_madd(field->probe_positions[0], direction, olx_texel_distance(field, 0, texel));
-      const olx_texel_light seen = olx_texel_shade(field, 0, texel, position, direction);
+      const olx_texel_light seen = olx_texel_shade(field, 0, texel, position, direction, false);
       assert_near(seen.lobe, olx_splat(0.0f), 0.0f);
       sum += (double)seen.reflected.x / (SIZE * SIZE);
     }

@@ -127,8 +127,9 @@ static void the_lobe_gets_what_is_not_the_lamps(void **state) {
   analytic_field_free(field);
 }
 
-// A surface that a ray meets from behind reflects indirect light alone: the lamp shines on the side that is stored.
-static void the_back_of_a_surface_has_no_direct_light(void **state) {
+// What a ray finds behind a surface reflects indirect light alone, be it the surface's own back or one that no probe
+// sees: the lamp shines on the side that is stored.
+static void behind_a_surface_there_is_no_direct_light(void **state) {
   (void)state;
   const float indirect = 2.0f;
   olx_field *field = room_of(0.5f, 1.0f, 0.0f, 0.0f, true, indirect);
@@ -136,12 +137,14 @@ static void the_back_of_a_surface_has_no_direct_light(void **state) {
     const olx_vec3 direction = ray_direction(i);
     const size_t texel = olx_texel_towards(field, direction);
     const olx_vec3 position = olx_madd(field->probe_positions[0], direction, olx_texel_distance(field, 0, texel));
-    const olx_texel_light front = olx_texel_shade(field, 0, texel, position, direction),
-                          back = olx_texel_shade(field, 0, texel, position, olx_negate(direction));
+    const olx_texel_light front = olx_texel_shade(field, 0, texel, position, direction, false),
+                          back = olx_texel_shade(field, 0, texel, position, olx_negate(direction), false),
+                          vanished = olx_texel_shade(field, 0, texel, position, direction, true);
     const float albedo = olx_texel_material(field, 0, texel).albedo.x, direct = olx_texel_direct(field, 0, texel).x;
     assert_true(direct > 0.0f);
     assert_true(fabsf(front.reflected.x - albedo * (direct + indirect) / OLX_PI) <= 1e-5f * front.reflected.x);
     assert_true(fabsf(back.reflected.x - albedo * indirect / OLX_PI) <= 1e-5f * back.reflected.x);
+    assert_true(vanished.reflected.x == back.reflected.x);
   }
   analytic_field_free(field);
 }
@@ -218,7 +221,7 @@ int main(void) {
       cmocka_unit_test(a_metal_under_a_lamp_has_its_highlight),
       cmocka_unit_test(a_shadow_hides_the_highlight),
       cmocka_unit_test(the_lobe_gets_what_is_not_the_lamps),
-      cmocka_unit_test(the_back_of_a_surface_has_no_direct_light),
+      cmocka_unit_test(behind_a_surface_there_is_no_direct_light),
       cmocka_unit_test(a_mirror_is_followed_by_one_further_ray),
       cmocka_unit_test(emission_is_apart_from_what_a_surface_reflects),
   };

@@ -53,7 +53,7 @@ static olx_vec3 texel_light(const olx_field *field, uint32_t probe, olx_vec3 pos
 
 static olx_vec3 shaded_light(const olx_field *field, uint32_t probe, olx_vec3 position, olx_vec3 direction) {
   const size_t texel = olx_texel_towards(field, olx_sub(position, field->probe_positions[probe]));
-  const olx_texel_light light = olx_texel_shade(field, probe, texel, position, direction);
+  const olx_texel_light light = olx_texel_shade(field, probe, texel, position, direction, false);
   return olx_add(light.reflected, light.lobe);
 }
 

@@ -66,13 +66,15 @@ float olx_lit_share(vec3 stored, vec3 most) {
 }
 
 // Shades a texel's surface. `position` is on that surface, in metres; `direction` is the unit direction of the ray that
-// found it. The texel must neither see the sky nor be of the border.
-olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction) {
+// found it. `vanished`: the ray went behind the surface and ends where no probe sees, so direct light is taken to be
+// none. The texel must neither see the sky nor be of the border.
+olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction, bool vanished) {
   vec3 normal = olx_texel_normal(origin, texel);
   float along_normal = olx_dot(normal, direction);
-  // A ray that meets the stored surface from behind meets another side of what the probe saw. The direct light of that
-  // side is not stored, and is taken to be none.
-  vec3 direct = along_normal > OLX_STORED_NORMAL_ERROR ? vec3(0.0) : olx_texel_direct(origin, texel);
+  // A ray that has gone behind the stored surface, or meets it from behind, meets a surface or a side that the probe
+  // did not see. Its direct light is not stored, and is taken to be none.
+  bool behind = vanished || along_normal > OLX_STORED_NORMAL_ERROR;
+  vec3 direct = behind ? vec3(0.0) : olx_texel_direct(origin, texel);
   olx_texel_surface s = olx_texel_surface(olx_texel_material(origin, texel), position, normal, -direction,
                                           max(abs(along_normal), 1e-3), direct);
   // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.

@@ -218,16 +218,17 @@ olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
                        0u, 0u);
 }
 
-// Reads the light stored in the hit's texel.
+// Reads the light stored in the hit's texel. A ray that vanished behind an emitter does not meet it.
 void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   ivec3 map = olx_map_origin(hit.probe);
-  hit.emitter = olx_texel_emits(hit.probe, hit.texel);
+  bool vanished = hit.status == OLX_TRACE_UNKNOWN;
+  hit.emitter = !vanished && olx_texel_emits(hit.probe, hit.texel);
   if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
   bool stored = s.settings.hits != OLX_HITS_SHADED;
   if (stored && !hit.emitter) hit.radiance = olx_texel_radiance(map, hit.texel);
   // For a texel that emits, stored radiance is the sum of emitted and reflected light.
   if (!stored || hit.emitter) {
-    olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction);
+    olx_reflection light = olx_texel_shade(map, hit.texel, hit.position, s.direction, vanished);
     hit.radiance = light.reflected + light.lobe;
     if (!stored) hit.lobe = light.lobe;
   }

@@ -55,20 +55,22 @@ static float lit_share(olx_vec3 stored, olx_vec3 most) {
   return share;
 }
 
-// Returns the direct irradiance of the side that a ray meets. A ray that meets the stored surface from behind meets
-// another side of what the probe saw. The direct light of that side is not stored, and is taken to be none.
-static olx_vec3 direct_light(const olx_field *field, uint32_t probe, size_t texel, float along_normal) {
-  return along_normal > OLX_STORED_NORMAL_ERROR ? olx_splat(0.0f) : olx_texel_direct(field, probe, texel);
+// Returns the direct irradiance of the side that a ray meets. A ray that has gone behind the stored surface, or meets it
+// from behind, meets a surface or a side that the probe did not see. Its direct light is not stored, and is taken to be
+// none.
+static olx_vec3 direct_light(const olx_field *field, uint32_t probe, size_t texel, float along_normal, bool vanished) {
+  const bool behind = vanished || along_normal > OLX_STORED_NORMAL_ERROR;
+  return behind ? olx_splat(0.0f) : olx_texel_direct(field, probe, texel);
 }
 
 olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t texel, olx_vec3 position,
-                                olx_vec3 direction) {
+                                olx_vec3 direction, bool vanished) {
   texel_surface s = {.bsdf = olx_texel_material(field, probe, texel),
                      .position = position,
                      .normal = olx_texel_normal(field, probe, texel),
                      .view = olx_negate(direction)};
   const float along_normal = olx_dot(s.normal, direction);
-  s.direct = direct_light(field, probe, texel, along_normal);
+  s.direct = direct_light(field, probe, texel, along_normal, vanished);
   s.cosine = olx_max(fabsf(along_normal), 1e-3f);
   // The ray's origin adds one more surface to the light's way, so the last stored bounce is left out.
   const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.bounces.last);

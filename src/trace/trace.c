@@ -260,17 +260,19 @@ static olx_vec3 sky_radiance(const search *s) {
   return olx_splat(0.0f);
 }
 
-// Reads the light stored in the hit's texel. After lights have changed, a field's stored radiance is out of date.
+// Reads the light stored in the hit's texel. After lights have changed, a field's stored radiance is out of date. A ray
+// that vanished behind an emitter does not meet it.
 static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
   const olx_field *field = s->field;
+  const bool vanished = hit->status == OLX_TRACE_UNKNOWN;
   if (s->settings->visibility_only) return;
-  hit->emitter = olx_texel_emits(field, probe, texel);
+  hit->emitter = !vanished && olx_texel_emits(field, probe, texel);
   if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
   const bool stored = field->radiance && s->settings->hits == OLX_HITS_STORED && !field->relit;
   if (stored && !hit->emitter) hit->radiance = olx_texel_radiance(field, probe, texel);
   if (stored && !hit->emitter) return;
   // For a texel that emits, stored radiance is the sum of emitted and reflected light.
-  const olx_texel_light light = olx_texel_shade(field, probe, texel, hit->position, s->direction);
+  const olx_texel_light light = olx_texel_shade(field, probe, texel, hit->position, s->direction, vanished);
   hit->radiance = olx_add(light.reflected, light.lobe);
   if (!stored) hit->lobe = light.lobe;
 }

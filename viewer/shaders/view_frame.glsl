@@ -35,7 +35,7 @@ vec3 seen_light(uint probe, ivec2 texel) {
   float distance = olx_texel_distance(map, texel);
   if (isinf(distance)) return olx_texel_emission(probe, texel);
   vec3 direction = olx_texel_direction(uvec2(texel), olx_field.n);
-  olx_reflection light = olx_texel_shade(map, texel, olx_probe_position(probe) + direction * distance, direction);
+  olx_reflection light = olx_texel_shade(map, texel, olx_probe_position(probe) + direction * distance, direction, false);
   return light.reflected + light.lobe + (olx_texel_emits(probe, texel) ? olx_texel_emission(probe, texel) : vec3(0.0));
 }
 

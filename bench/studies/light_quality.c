@@ -11,23 +11,15 @@
 #include "options.h"
 #include "render/camera.h"
 #include "scene/bvh.h"
+#include "solved_probes.h"
 #include "studies.h"
 
-#include <octalux/bake.h>
-#include <octalux/place.h>
 #include <octalux/render.h>
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char NAME[] = BENCH_PROGRAM " light-quality";
-
-typedef struct probe_set {
-  olx_vec3 *positions;
-  uint8_t *flags;
-  uint32_t count;
-} probe_set;
 
 typedef struct point {
   bool valid;
@@ -181,25 +173,8 @@ static void print_report(const olx_scene_light_report *r) {
 int study_light_quality(int argc, char **argv) {
   olx_scene *scene = NULL;
   if (olx_scene_load(argv[1], &scene) != OLX_OK) return library_failure(NAME);
-  probe_set set = {0};
-  olx_bake_settings bake = olx_bake_settings_default(scene);
-  if (argc > 2 && strcmp(argv[2], "-") != 0) {
-    olx_probe_set placed;
-    if (olx_probe_set_load(argv[2], scene->origin, &placed) != OLX_OK) return library_failure(NAME);
-    set.count = placed.count;
-    set.positions = malloc(set.count * sizeof *set.positions);
-    for (uint32_t i = 0; i < set.count; i++) set.positions[i] = placed.probes[i].position;
-  } else {
-    const olx_grid *g = &bake.grid;
-    set.count = g->count[0] * g->count[1] * g->count[2];
-    set.positions = malloc(set.count * sizeof *set.positions);
-    for (uint32_t i = 0; i < set.count; i++) {
-      set.positions[i] = olx_v3(g->origin.x + g->spacing.x * (float)(i % g->count[0]),
-                                g->origin.y + g->spacing.y * (float)(i / g->count[0] % g->count[1]),
-                                g->origin.z + g->spacing.z * (float)(i / g->count[0] / g->count[1]));
-    }
-  }
-  set.flags = calloc(set.count, 1);
+  solved_probes probes;
+  if (solved_probes_load(scene, argc > 2 ? argv[2] : "-", &probes) != OLX_OK) return library_failure(NAME);
   olx_scene_light_settings s = olx_scene_light_settings_default();
   if (argc > 3) s.noise = (float)atof(argv[3]);
   if (argc > 4) s.spacing = (float)atof(argv[4]);
@@ -215,7 +190,7 @@ int study_light_quality(int argc, char **argv) {
   olx_scene_light *light[2];
   for (uint32_t k = 0; k < 2; k++) {
     s.seed = k;
-    if (olx_scene_light_create(scene, &s, set.positions, set.flags, set.count, &light[k]) != OLX_OK)
+    if (olx_scene_light_create(scene, &s, probes.positions, probes.flags, probes.count, &light[k]) != OLX_OK)
       return library_failure(NAME);
     const olx_scene_light_report r = olx_scene_light_describe(light[k]);
     if (k == 0) print_report(&r), fflush(stdout);

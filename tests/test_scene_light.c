@@ -454,6 +454,66 @@ static void few_surfels_are_not_trusted_where_their_light_differs(void **state) 
   olx_scene_free(scene);
 }
 
+// A room of grey matte surfaces in which a spot light makes a bright patch on the floor, half hidden from the ceiling by
+// a board at two thirds of the height: the ceiling's light has an edge along x = 0, a few centimetres wide.
+static olx_scene *room_with_a_board(void) {
+  olx_scene *scene = made_scene();
+  olx_material grey = olx_material_default();
+  grey.base_color = olx_splat(0.5f);
+  grey.specular_weight = 0.0f;
+  const uint32_t paint = made_material(scene, &grey);
+  made_box(scene, olx_v3(-2, 0, -2), olx_v3(2, 3, 2), false, paint);
+  made_box(scene, olx_v3(-1.5f, 2, -1.5f), olx_v3(0, 2.02f, 1.5f), true, paint);
+  const olx_light lamp = {.type = OLX_LIGHT_SPOT,
+                          .position = olx_v3(0, 0.6f, 0),
+                          .direction = olx_v3(0, -1, 0),
+                          .emission = olx_splat(9.0f),
+                          .cosine_inner = 0.97f,
+                          .cosine_outer = 0.95f};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  return made_finish(scene);
+}
+
+// Returns how many of these points of the ceiling around its edge gather light of their own, which is noise beside the
+// interpolated light around them.
+static uint32_t gathering_points(const olx_scene *scene, const olx_scene_light *light, uint32_t points) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < points; i++) {
+    const olx_vec2 uv = olx_hammersley(i, points);
+    const olx_ray ray = {olx_v3(uv.x - 0.5f, 2.9f, uv.y - 0.5f), olx_v3(0, 1, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface ceiling = olx_surface_at(scene, &hit, ray.direction);
+    olx_vec3 irradiance;
+    count += !olx_scene_light_interpolate(light, &ceiling, &irradiance);
+  }
+  return count;
+}
+
+// Without rays for records cells stay whole.
+static void records_follow_an_edge_of_light(void **state) {
+  (void)state;
+  enum { CEILING_POINTS = 1000 };
+  olx_scene *scene = room_with_a_board();
+  const olx_vec3 probes[] = {{0.5f, 1, 0.1f}, {0.5f, 2.5f, 0.1f}};
+  const uint8_t flags[2] = {0};
+  uint32_t gathering[2];
+  for (uint32_t with = 0; with < 2; with++) {
+    olx_scene_light_settings settings = small_settings();
+    settings.noise = 0.03f;
+    if (!with) settings.most_final_rays = 0;
+    olx_scene_light *light;
+    assert_int_equal(olx_scene_light_create(scene, &settings, probes, flags, 2, &light), OLX_OK);
+    const olx_scene_light_report report = olx_scene_light_describe(light);
+    assert_int_equal(report.records > report.surfels - report.hidden_surfels, with);
+    gathering[with] = gathering_points(scene, light, CEILING_POINTS);
+    olx_scene_light_free(light);
+  }
+  print_message("of %d points of the ceiling %u gather light without records of parts of cells, %u with them\n",
+                CEILING_POINTS, gathering[0], gathering[1]);
+  assert_true(gathering[0] > CEILING_POINTS / 10 && gathering[1] < gathering[0] / 2);
+  olx_scene_free(scene);
+}
+
 // A floor and two walls without a ceiling, with a lamp in their middle, and a sheet so far away that the bounds are
 // many times as large as the room.
 static olx_scene *room_below_the_sky(void) {
@@ -506,6 +566,7 @@ int main(void) {
       cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
       cmocka_unit_test(the_volume_has_the_light_of_a_fixture),
       cmocka_unit_test(few_surfels_are_not_trusted_where_their_light_differs),
+      cmocka_unit_test(records_follow_an_edge_of_light),
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };

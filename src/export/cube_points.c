@@ -21,7 +21,7 @@ enum {
 };
 
 // The weight of free space in a voxel, where the weight of the voxel's surfaces is 1.
-static const float SPACE_WEIGHT = 0.05f;
+static const float SPACE_WEIGHT = 0.035f;
 
 typedef struct collection {
   const olx_field *field;

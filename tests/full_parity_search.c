@@ -99,8 +99,8 @@ SEARCH_ROW(bricks_probe, const bool some = s->field->bricks.header != NULL;
 SEARCH_ROW(sky_radiance, put_3(r, sky_radiance(&e->search));)
 SEARCH_ROW(describe, const olx_probe_answer a = {.status = (olx_trace_status)(s->bits[1] % 3u), .t = s->random[0],
         .texel = texel_of(s)};
-    const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14]); put_hit(r, &hit);)
-SEARCH_ROW(read_light, olx_trace_hit hit = {.position = s->point}; read_light(&e->search, s->probe, texel_of(s), &hit);
+    const olx_trace_hit hit = describe(&e->search, s->probe, &a, s->item->v[14], s->bits[2] % 2u == 0u); put_hit(r, &hit);)
+SEARCH_ROW(read_light, olx_trace_hit hit = {.position = s->point}; read_light(&e->search, s->probe, texel_of(s), s->bits[2] % 2u == 0u, &hit);
     put_u(r, hit.emitter); put_light(r, &hit);)
 SEARCH_ROW(unknown_hit, put_u(r, NOTHING_KNOWN.status); put_u(r, NOTHING_KNOWN.probe); put_u(r, NOTHING_KNOWN.emitter);
     put_f(r, NOTHING_KNOWN.distance_metres); put_light(r, &NOTHING_KNOWN);)

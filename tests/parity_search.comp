@@ -35,7 +35,7 @@ olx_trace_hit lit_hit(uint hits) {
   hit.probe = probe;
   hit.texel = texel;
   search.settings.hits = hits;
-  olx_read_light(search, hit);
+  olx_read_light(search, bits.z % 2u == 0u, hit);
   return hit;
 }
 
@@ -76,7 +76,7 @@ void search_rows() {
   case ROW_olx_describe:
     search.answer = olx_probe_answer(bits.y % 3u, random.x, texel, 0.0, 0u);
     search.answered = probe;
-    put_hit(olx_describe(search, t_max));
+    put_hit(olx_describe(search, t_max, bits.z % 2u == 0u));
     break;
   case ROW_olx_read_light: {
     olx_trace_hit hit = lit_hit(settings.hits);

@@ -58,10 +58,12 @@ olx_sample_settings olx_sample_settings_default(void);
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
-  OLX_TRACE_MISS = 0,   // the ray leaves the scene or reaches t_max
-  OLX_TRACE_HIT = 1,    // a surface that a probe sees
-  OLX_TRACE_UNKNOWN = 2 // unresolved: no probe sees where the ray goes. The values are those of the surface behind which
-                        // it vanished least deep, its light without direct light and emission
+  OLX_TRACE_MISS = 0, // the ray leaves the scene or reaches t_max
+  OLX_TRACE_HIT = 1,  // a surface that a probe sees
+  // Unresolved: no probe sees where the ray goes. The values are those of the surface behind which it vanished least
+  // deep. A ray that vanished by less than 1.5 footprints is taken to end there, and is a HIT. Both find the surface's
+  // light without direct light and emission (docs/maths.md, "Light at the end of a ray").
+  OLX_TRACE_UNKNOWN = 2
 } olx_trace_status;
 
 typedef struct olx_trace_hit {
@@ -73,7 +75,7 @@ typedef struct olx_trace_hit {
   olx_vec3 lobe;     // the specular lobe's part of `radiance`, without highlights of lights without area, as if light
                      // came from all directions alike; 0 with OLX_HITS_STORED
   olx_vec3 emission; // sent by an emitter towards the probe, or by the sky along the ray; not part of `radiance`
-  bool emitter;      // the ray ends at an emitter or in the sky; false for UNKNOWN
+  bool emitter;      // the ray ends at an emitter or in the sky; false where it vanished
   uint32_t probe;    // the probe that resolved the ray, or UINT32_MAX
   uint32_t texel;    // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
   float footprint_metres; // of the texel that was hit: stored distance times the square root of its solid angle

@@ -66,7 +66,7 @@ float olx_lit_share(vec3 stored, vec3 most) {
 }
 
 // Shades a texel's surface. `position` is on that surface, in metres; `direction` is the unit direction of the ray that
-// found it. `vanished`: the ray went behind the surface and ends where no probe sees, so direct light is taken to be
+// found it. `vanished`: the ray went behind the surface, and no probe can follow it, so direct light is taken to be
 // none. The texel must neither see the sky nor be of the border.
 olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 direction, bool vanished) {
   vec3 normal = olx_texel_normal(origin, texel);

@@ -219,9 +219,8 @@ olx_trace_hit olx_unknown_hit(uint status, float distance_metres) {
 }
 
 // Reads the light stored in the hit's texel. A ray that vanished behind an emitter does not meet it.
-void olx_read_light(olx_search s, inout olx_trace_hit hit) {
+void olx_read_light(olx_search s, bool vanished, inout olx_trace_hit hit) {
   ivec3 map = olx_map_origin(hit.probe);
-  bool vanished = hit.status == OLX_TRACE_UNKNOWN;
   hit.emitter = !vanished && olx_texel_emits(hit.probe, hit.texel);
   if (hit.emitter) hit.emission = olx_texel_emission(hit.probe, hit.texel);
   bool stored = s.settings.hits != OLX_HITS_SHADED;
@@ -234,8 +233,9 @@ void olx_read_light(olx_search s, inout olx_trace_hit hit) {
   }
 }
 
-// Describes the search's answer for a ray with the limit t_max.
-olx_trace_hit olx_describe(olx_search s, float t_max) {
+// Describes the search's answer for a ray with the limit t_max; `vanished`: no probe resolved it, and the answer is the
+// best guess.
+olx_trace_hit olx_describe(olx_search s, float t_max, bool vanished) {
   olx_probe_answer answer = s.answer;
   olx_trace_hit hit = olx_unknown_hit(answer.status, answer.t);
   hit.position = olx_ray_point(s, answer.t);
@@ -248,7 +248,7 @@ olx_trace_hit olx_describe(olx_search s, float t_max) {
     // This is read first, so that compilers reuse in the following lines what is decoded here.
     olx_texel_geometry seen = olx_texel_geometry_of(map, answer.texel);
     hit.normal = seen.normal;
-    olx_read_light(s, hit);
+    olx_read_light(s, vanished, hit);
     vec2 uv = olx_octahedral_encode(hit.position - olx_probe_position(s.answered));
     hit.footprint_metres = seen.distance * sqrt(olx_texel_solid_angle_near(uv, olx_field.n));
   } else if (s.t_max < t_max) { // otherwise it ends in free space
@@ -286,7 +286,7 @@ olx_trace_hit olx_trace(olx_sample_settings settings, vec3 origin, vec3 directio
     bool settled = olx_search_probes(s);
     if (!settled && s.answer.gap < OLX_VANISHED_FOOTPRINTS) s.answer.status = OLX_TRACE_HIT;
     hit.probes_tried = s.attempts;
-    if (s.answered != OLX_NO_PROBE) hit = olx_describe(s, t_max_metres);
+    if (s.answered != OLX_NO_PROBE) hit = olx_describe(s, t_max_metres, !settled);
   }
   return hit;
 }

@@ -16,7 +16,7 @@ typedef struct olx_texel_light {
 } olx_texel_light;
 
 // Shades a texel's surface. `position` is on that surface, in metres; `direction` is the unit direction of the ray that
-// found it. `vanished`: the ray went behind the surface and ends where no probe sees, so direct light is taken to be
+// found it. `vanished`: the ray went behind the surface, and no probe can follow it, so direct light is taken to be
 // none. The result is 0 for the sky.
 olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t texel, olx_vec3 position,
                                 olx_vec3 direction, bool vanished);

@@ -262,9 +262,8 @@ static olx_vec3 sky_radiance(const search *s) {
 
 // Reads the light stored in the hit's texel. After lights have changed, a field's stored radiance is out of date. A ray
 // that vanished behind an emitter does not meet it.
-static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_hit *hit) {
+static void read_light(const search *s, uint32_t probe, size_t texel, bool vanished, olx_trace_hit *hit) {
   const olx_field *field = s->field;
-  const bool vanished = hit->status == OLX_TRACE_UNKNOWN;
   if (s->settings->visibility_only) return;
   hit->emitter = !vanished && olx_texel_emits(field, probe, texel);
   if (hit->emitter) hit->emission = olx_texel_emission(field, probe, texel);
@@ -277,7 +276,9 @@ static void read_light(const search *s, uint32_t probe, size_t texel, olx_trace_
   if (!stored) hit->lobe = light.lobe;
 }
 
-static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer, float t_max) {
+// Describes an answer to the ray; `vanished`: no probe resolved it, and the answer is the best guess.
+static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_answer *answer, float t_max,
+                              bool vanished) {
   const olx_field *field = s->field;
   olx_trace_hit hit = {
       .status = answer->status,
@@ -295,7 +296,7 @@ static olx_trace_hit describe(const search *s, uint32_t probe, const olx_probe_a
     return hit;
   }
   hit.texel = (uint32_t)answer->texel;
-  read_light(s, probe, answer->texel, &hit);
+  read_light(s, probe, answer->texel, vanished, &hit);
   hit.normal = olx_texel_normal(field, probe, answer->texel);
   const olx_vec2 uv = olx_octahedral_encode(olx_sub(hit.position, field->probe_positions[probe]));
   const float distance = olx_texel_distance(field, probe, answer->texel);
@@ -340,21 +341,21 @@ static bool begin_search(search *s, const olx_field *field, const olx_sample_set
 static olx_trace_hit search_rest(search *s, float t_max) {
   uint32_t probe = OLX_NO_PROBE;
   olx_probe_answer answer;
-  if (search_probes(s, true, &probe, &answer)) return describe(s, probe, &answer, t_max);
+  if (search_probes(s, true, &probe, &answer)) return describe(s, probe, &answer, t_max, false);
   if (s->fallback_probe == UINT32_MAX) {
     olx_trace_hit hit = NOTHING_KNOWN;
     hit.probes_tried = s->attempts;
     return hit;
   }
   if (s->fallback.gap < OLX_VANISHED_FOOTPRINTS) s->fallback.status = OLX_TRACE_HIT;
-  return describe(s, s->fallback_probe, &s->fallback, t_max);
+  return describe(s, s->fallback_probe, &s->fallback, t_max, true);
 }
 
 // Follows a ray by the selector's probes, from where it was lost, until it is resolved.
 static olx_trace_hit follow(search *s, float t_max) {
   uint32_t probe = OLX_NO_PROBE;
   olx_probe_answer answer;
-  if (search_probes(s, false, &probe, &answer)) return describe(s, probe, &answer, t_max);
+  if (search_probes(s, false, &probe, &answer)) return describe(s, probe, &answer, t_max, false);
   return search_rest(s, t_max);
 }
 
@@ -442,7 +443,7 @@ static void trace_by_bricks(const olx_field *field, const olx_sample_settings *s
     for (uint32_t k = 0; k < b.asking; k++) {
       const uint32_t i = b.open[k];
       if (settles(&b.searches[i], &b.jobs[k], &b.answers[k])) {
-        hits[i] = describe(&b.searches[i], b.jobs[k].probe, &b.answers[k], t_max);
+        hits[i] = describe(&b.searches[i], b.jobs[k].probe, &b.answers[k], t_max, false);
       } else {
         b.open[b.open_count++] = i;
       }

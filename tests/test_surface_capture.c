@@ -211,6 +211,72 @@ static void sky_and_sun_light_a_square(void **state) {
 }
 
 // Stripes of red and blue are a tenth of a texel wide, so many samples see about as much of both.
+// Makes a black room of side 2 with a square window in the wall at x = 1, through which an even sky of radiance 1 shines.
+static olx_scene *room_with_a_window(float half) {
+  olx_scene *scene = made_scene();
+  const olx_material black = plain(olx_splat(0.0f));
+  const uint32_t paint = made_material(scene, &black);
+  const olx_vec3 x = {2, 0, 0}, y = {0, 2, 0}, z = {0, 0, 2};
+  made_quad(scene, olx_v3(-1, 0, 0), y, z, paint);
+  made_quad(scene, olx_v3(0, -1, 0), z, x, paint);
+  made_quad(scene, olx_v3(0, 1, 0), x, z, paint);
+  made_quad(scene, olx_v3(0, 0, -1), x, y, paint);
+  made_quad(scene, olx_v3(0, 0, 1), y, x, paint);
+  for (float side = -0.5f; side < 1.0f; side += 1.0f) {
+    const float middle = side * (1.0f + half);
+    made_quad(scene, olx_v3(1, middle, 0), z, olx_v3(0, 1.0f - half, 0), paint);
+    made_quad(scene, olx_v3(1, 0, middle), olx_v3(0, 0, 1.0f - half), olx_v3(0, 2.0f * half, 0), paint);
+  }
+  scene->environment.radiance = olx_splat(1.0f);
+  return made_finish(scene);
+}
+
+// Returns the irradiance at a point of the wall opposite the window.
+static double light_of_window(olx_vec3 p, float half) {
+  enum { PARTS = 16 };
+  double sum = 0.0;
+  for (uint32_t i = 0; i < PARTS * PARTS; i++) {
+    const float y = half * (2.0f * ((float)(i % PARTS) + 0.5f) / PARTS - 1.0f),
+                z = half * (2.0f * ((float)(i / PARTS) + 0.5f) / PARTS - 1.0f);
+    const olx_vec3 way = olx_sub(olx_v3(1, y, z), p);
+    const double squared = (double)olx_dot(way, way);
+    sum += (double)(way.x * way.x) / (squared * squared);
+  }
+  return sum * 4.0 * (double)(half * half) / (PARTS * PARTS);
+}
+
+// Eight rays a texel meet a window of 0.3 m rarely: each texel for itself would have several times its light as noise.
+static void a_distant_window_lights_a_wall_evenly(void **state) {
+  (void)state;
+  enum { N = 256 };
+  const float half = 0.15f;
+  const olx_vec3 eye = {0.2f, 0.1f, -0.1f};
+  olx_scene *scene = room_with_a_window(half);
+  olx_bake_settings settings = settings_at(scene, eye, OLX_LIGHT_REFERENCE);
+  settings.radiance_size = N;
+  settings.reference_paths = 4;
+  olx_field *field = baked_field(scene, &settings, NULL);
+  double error = 0.0, squares = 0.0, found_sum = 0.0, truth_sum = 0.0;
+  for (uint32_t i = 0; i < N * N; i++) {
+    const size_t at = olx_map_index(N + 2, (int32_t)(i % N), (int32_t)(i / N));
+    const olx_vec3 direction = olx_texel_direction(i % N, i / N, N);
+    const float distance = olx_texel_distance(field, 0, at);
+    if (distance == INFINITY) continue;
+    const olx_vec3 p = olx_madd(eye, direction, distance);
+    if (p.x > -0.98f) continue;
+    const double truth = light_of_window(p, half), found = (double)olx_texel_direct(field, 0, at).y;
+    error += (found - truth) * (found - truth);
+    squares += truth * truth;
+    found_sum += found;
+    truth_sum += truth;
+  }
+  print_message("light of a window: relative MSE %.4f, mean %.4f of the truth\n", error / squares,
+                found_sum / truth_sum);
+  assert_true(squares > 0.0 && error < 0.2 * squares && fabs(found_sum / truth_sum - 1.0) < 0.05);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 static void texels_average_textures(void **state) {
   (void)state;
   enum { STRIPES = 256 };
@@ -388,6 +454,7 @@ int main(void) {
       cmocka_unit_test(white_furnace_by_reference),
       cmocka_unit_test(faint_glow_hides_nothing),
       cmocka_unit_test(sky_and_sun_light_a_square),
+      cmocka_unit_test(a_distant_window_lights_a_wall_evenly),
       cmocka_unit_test(texels_average_textures),
       cmocka_unit_test(materials_survive),
       cmocka_unit_test(any_threads_make_the_same_bytes),

@@ -226,16 +226,23 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
   return sum;
 }
 
-olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sampler *sampler,
-                               uint64_t *rays) {
-  return olx_direct_irradiance_but(scene, surface, NULL, sampler, rays);
-}
-
-olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
-                                   olx_sampler *sampler, uint64_t *rays) {
+// Returns the direct irradiance; `dark` and `sky` may be NULL.
+static olx_vec3 irradiance_of(const olx_scene *scene, const olx_surface *surface, const float *dark, olx_sky_guide *sky,
+                              olx_sampler *sampler, uint64_t *rays) {
   olx_surface white = *surface;
   white.bsdf = (olx_bsdf){.albedo = olx_splat(1.0f)};
   olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   shading.dark = dark;
+  shading.sky = sky;
   return olx_scale(olx_direct_light(scene, &shading, sampler, rays).diffuse, OLX_PI);
+}
+
+olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sky_guide *sky,
+                               olx_sampler *sampler, uint64_t *rays) {
+  return irradiance_of(scene, surface, NULL, sky, sampler, rays);
+}
+
+olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
+                                   olx_sampler *sampler, uint64_t *rays) {
+  return irradiance_of(scene, surface, dark, NULL, sampler, rays);
 }

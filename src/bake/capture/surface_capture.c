@@ -3,6 +3,7 @@
 // the probe sees it is what that surface sends to the probe.
 #include "bake/capture/surface_capture.h"
 
+#include "bake/capture/sky_tiles.h"
 #include "bake/capture/texel_light.h"
 #include "bake/capture/texel_radiance.h"
 #include "core/hooks.h"
@@ -19,6 +20,7 @@ enum { SALT_PATHS = 0x50415448, SALT_LOBE = 0x4C4F4245 };
 // A texel, and what rays through the parts of it met.
 typedef struct texel_samples {
   uint32_t x, y;
+  olx_sky_guide *sky; // of its tile; NULL: none
   const olx_ray *rays;
   const olx_ray_hit *hits;
 } texel_samples;
@@ -27,12 +29,17 @@ typedef struct texel_samples {
 // specular lobes reflect to the probe.
 typedef struct surface_sums {
   olx_vec3 base_color, direct, mirrored;
+  double direct_squares; // of the luminance of direct light
   float roughness, metallic, count;
 } surface_sums;
 
 static const olx_scene *scene_of(const olx_surface_capture *c) { return c->capture->context->scene; }
 
 static const olx_bake_settings *settings_of(const olx_surface_capture *c) { return c->capture->context->settings; }
+
+static size_t sky_guides(const olx_surface_capture *c) {
+  return olx_environment_lit(scene_of(c)) ? (size_t)OLX_SKY_TILES * OLX_SKY_TILES : 0;
+}
 
 static bool has_radiance(const olx_surface_capture *c) { return c->capture->context->probes.irradiance.count > 0; }
 
@@ -50,7 +57,7 @@ static olx_vec3 direct_light(const olx_surface_capture *c, const texel_samples *
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < lights; i++) {
     olx_sampler sampler = {.seed = first.seed, .index = first.index + i};
-    sum = olx_add(sum, olx_direct_irradiance(scene_of(c), surface, &sampler, rays));
+    sum = olx_add(sum, olx_direct_irradiance(scene_of(c), surface, t->sky, &sampler, rays));
   }
   return olx_scale(sum, 1.0f / (float)lights);
 }
@@ -61,7 +68,9 @@ static void add_sample(const olx_surface_capture *c, const texel_samples *t, uin
   sums->base_color = olx_add(sums->base_color, s.base_color);
   sums->roughness += s.roughness;
   sums->metallic += s.metallic;
-  sums->direct = olx_add(sums->direct, direct_light(c, t, k, &s, rays));
+  const olx_vec3 direct = direct_light(c, t, k, &s, rays);
+  sums->direct = olx_add(sums->direct, direct);
+  sums->direct_squares += (double)olx_square(olx_luminance(direct));
   sums->count += 1.0f;
   if (!c->radiance || !olx_texel_is_mirror(&surface->bsdf)) return;
   const uint32_t seed = olx_hash3(c->capture->probe, texel_index(c, t), SALT_LOBE) ^ settings_of(c)->seed;
@@ -106,8 +115,13 @@ static void store_surface(const olx_surface_capture *c, uint32_t at, const olx_s
                                                            sums->metallic * share, middle->bsdf.dielectric_weight);
   c->base[at] = codes.base;
   c->specular[at] = codes.specular;
-  c->direct[at] = olx_rgb9e5_pack(olx_scale(sums->direct, share));
   c->indirect[at] = olx_rgb9e5_pack(indirect);
+}
+
+static olx_direct_estimate estimate_of(const surface_sums *sums) {
+  const olx_vec3 mean = olx_scale(sums->direct, 1.0f / sums->count);
+  const double squares = sums->direct_squares - (double)sums->count * (double)olx_square(olx_luminance(mean));
+  return (olx_direct_estimate){mean, olx_max((float)squares, 0.0f), (uint32_t)sums->count};
 }
 
 // Stores what the surface reflects to the probe, computed from the material and the light that are stored for it.
@@ -135,6 +149,7 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
   const olx_ray_hit *hit = &capture->hits[at];
   c->base[at] = c->direct[at] = c->indirect[at] = c->emission[at] = 0;
   c->specular[at] = 0;
+  c->estimates[at] = (olx_direct_estimate){.count = 0};
   if (hit->triangle == OLX_NO_HIT) {
     if (c->radiance) c->radiance[at] = 0;
     store_emission(c, at, mean_emission(c, t, olx_environment_radiance(scene, direction), true));
@@ -152,6 +167,7 @@ static void capture_texel(olx_surface_capture *c, const texel_samples *t, uint64
   const olx_surface lit = olx_texel_smooth_surface(scene, hit, &middle);
   const olx_vec3 indirect = indirect_light(c, t, &lit, rays);
   store_surface(c, at, &middle, &sums, indirect);
+  c->estimates[at] = estimate_of(&sums);
   store_radiance(c, at, &middle, direction, &sums, indirect);
   if (olx_max3(middle.emission) > 0.0f) store_emission(c, at, mean_emission(c, t, middle.emission, false));
 }
@@ -162,14 +178,30 @@ static void capture_row(void *user, uint32_t y) {
   olx_ray rays[OLX_CAPTURE_MOST_RAYS];
   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS];
   uint64_t cast = 0;
+  olx_sky_guide own; // the tile's, which other rows use as well
   for (uint32_t x = 0; x < c->capture->size; x += OLX_CAPTURE_CHUNK) {
+    if (c->skies) own = c->skies[olx_sky_tile_of(c->capture->size, x, y)];
     cast += olx_capture_cast_samples(c->capture, x, y, rays, hits);
     for (uint32_t i = 0; i < OLX_CAPTURE_CHUNK; i++) {
-      const texel_samples t = {x + i, y, rays + (size_t)i * per_texel, hits + (size_t)i * per_texel};
+      const texel_samples t = {x + i, y, c->skies ? &own : NULL, rays + (size_t)i * per_texel,
+                               hits + (size_t)i * per_texel};
       capture_texel(c, &t, &cast);
     }
   }
   atomic_fetch_add_explicit(&c->rays, cast, memory_order_relaxed);
+}
+
+static void store_direct_row(void *user, uint32_t y) {
+  olx_surface_capture *c = user;
+  for (uint32_t at = y * c->capture->size; at < (y + 1) * c->capture->size; at++) {
+    if (c->estimates[at].count) c->direct[at] = olx_rgb9e5_pack(c->estimates[at].mean);
+  }
+}
+
+// Stores the direct light of all texels, without noise where samples of lights vary.
+static olx_result store_direct(olx_surface_capture *c) {
+  if (olx_emitters_can_be_hit(scene_of(c))) OLX_TRY(olx_direct_merge(c->capture, c->estimates));
+  return olx_bake_for(c->capture->context, c->capture->size, store_direct_row, c, 0);
 }
 
 uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_capture_units(c->capture); }
@@ -188,7 +220,9 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_su
   const uint32_t rows = capture->size;
   c->last_bounce = c->light ? (float)olx_scene_light_describe(c->light).last_bounce : 0.0f;
   OLX_TRY(find_irradiance(c, buried));
+  if (c->skies) OLX_TRY(olx_sky_tiles_learn(capture, c->skies, &c->rays));
   OLX_TRY(olx_bake_for(capture->context, rows, capture_row, c, olx_surface_capture_units(c) / rows));
+  OLX_TRY(store_direct(c));
   *maps = (olx_surface_maps){c->base, c->specular, c->direct, c->indirect, .emission = c->emission};
   if (settings_of(c)->uncompressed) return OLX_OK;
   const olx_surface_texels texels = {c->base, c->specular, c->direct, c->indirect, capture->distance};
@@ -200,9 +234,9 @@ olx_result olx_surface_capture_probe(olx_surface_capture *c, bool buried, olx_su
 uint64_t olx_surface_capture_bytes(const olx_surface_capture *c, bool solved) {
   const uint32_t size = c->capture->size;
   const uint64_t texel = sizeof *c->base + sizeof *c->direct + sizeof *c->indirect + sizeof *c->emission +
-                         sizeof *c->specular + (has_radiance(c) ? sizeof *c->radiance : 0) +
+                         sizeof *c->specular + sizeof *c->estimates + (has_radiance(c) ? sizeof *c->radiance : 0) +
                          (solved ? sizeof *c->irradiance : 0);
-  return (uint64_t)size * size * texel +
+  return (uint64_t)size * size * texel + sky_guides(c) * sizeof *c->skies +
          (settings_of(c)->uncompressed ? 0 : olx_surface_maker_bytes(size) + olx_geometry_maker_bytes(size));
 }
 
@@ -215,7 +249,10 @@ olx_result olx_surface_capture_create(olx_surface_capture *c) {
   if (has_radiance(c)) c->radiance = olx_allocate(texels, sizeof *c->radiance);
   c->irradiance = olx_allocate(c->light ? texels : 0, sizeof *c->irradiance);
   c->specular = olx_allocate(texels, sizeof *c->specular);
-  const bool complete = c->base && c->direct && c->indirect && c->emission && c->specular && c->irradiance;
+  c->estimates = olx_allocate(texels, sizeof *c->estimates);
+  if (sky_guides(c)) c->skies = olx_allocate(sky_guides(c), sizeof *c->skies);
+  const bool complete = c->estimates && c->base && c->direct && c->indirect && c->emission && c->specular &&
+                        c->irradiance && (c->skies || !sky_guides(c));
   if (complete && (c->radiance || !has_radiance(c))) {
     if (settings_of(c)->uncompressed) return OLX_OK;
     OLX_TRY(olx_surface_maker_create(c->capture->size, &c->tiles));
@@ -233,11 +270,15 @@ void olx_surface_capture_free(olx_surface_capture *c) {
   olx_release(c->radiance);
   olx_release(c->irradiance);
   olx_release(c->specular);
+  olx_release(c->estimates);
+  olx_release(c->skies);
   olx_surface_maker_free(&c->tiles);
   olx_geometry_maker_free(&c->geometry);
   c->base = c->direct = c->indirect = c->emission = c->radiance = NULL;
   c->specular = NULL;
   c->irradiance = NULL;
+  c->estimates = NULL;
+  c->skies = NULL;
 }
 
 olx_result olx_surface_lights(const olx_scene *scene, olx_field_light **lights) {

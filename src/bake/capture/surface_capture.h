@@ -4,10 +4,12 @@
 #define OLX_BAKE_SURFACE_CAPTURE_H
 
 #include "bake/capture/capture.h"
+#include "bake/capture/direct_merge.h"
 #include "field/field_writer.h"
 #include "field/geometry_map_encode.h"
 #include "field/surface_encode.h"
 #include "light/scene_light.h"
+#include "scene/sky_guide.h"
 
 #include <octalux/bake.h>
 
@@ -20,6 +22,8 @@ typedef struct olx_surface_capture {
   float last_bounce;            // share of that light that is one bounce more than radiance holds
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL without probe light
   uint16_t *specular;
+  olx_direct_estimate *estimates;
+  olx_sky_guide *skies;        // one for each tile (sky_tiles.h); NULL where the sky sends no light
   olx_surface_maker tiles;     // made from them, where they are wanted
   olx_geometry_maker geometry; // the same for what `capture` holds of geometry
   atomic_uint_fast64_t rays;   // cast so far

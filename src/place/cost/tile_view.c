@@ -40,7 +40,7 @@ static void add_sample(const olx_planned_maps *maps, const texel_place *t, uint3
   uint64_t rays = 0;
   for (uint32_t i = 0; i < lights; i++) {
     olx_sampler sampler = {.seed = first.seed, .index = first.index + i};
-    direct = olx_add(direct, olx_direct_irradiance(maps->scene, &s, &sampler, &rays));
+    direct = olx_add(direct, olx_direct_irradiance(maps->scene, &s, NULL, &sampler, &rays));
   }
   sums->base_color = olx_add(sums->base_color, s.base_color);
   sums->roughness += s.roughness;

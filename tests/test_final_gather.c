@@ -1,5 +1,5 @@
-// Tests that rays without links and records can be stored and resumed: a work folder, and parts of a bake, give the light
-// of a solution without a folder.
+// Tests that rays without links and records can be stored and resumed: a work folder, and parts of a bake, give the
+// light of a solution without a folder.
 #include "core/hooks.h"
 #include "light/scene_light.h"
 #include "light/solution/light_solution.h"

@@ -454,8 +454,8 @@ static void few_surfels_are_not_trusted_where_their_light_differs(void **state) 
   olx_scene_free(scene);
 }
 
-// A room of grey matte surfaces in which a spot light makes a bright patch on the floor, half hidden from the ceiling by
-// a board at two thirds of the height: the ceiling's light has an edge along x = 0, a few centimetres wide.
+// A room of grey matte surfaces in which a spot light makes a bright patch on the floor, half hidden from the ceiling
+// by a board at two thirds of the height: the ceiling's light has an edge along x = 0, two decimetres wide.
 static olx_scene *room_with_a_board(void) {
   olx_scene *scene = made_scene();
   olx_material grey = olx_material_default();

@@ -210,8 +210,8 @@ static void sky_and_sun_light_a_square(void **state) {
   olx_scene_free(scene);
 }
 
-// Stripes of red and blue are a tenth of a texel wide, so many samples see about as much of both.
-// Makes a black room of side 2 with a square window in the wall at x = 1, through which an even sky of radiance 1 shines.
+// Stripes of red and blue are a tenth of a texel wide, so many samples see about as much of both. Makes a black room of
+// side 2 with a square window in the wall at x = 1, through which an even sky of radiance 1 shines.
 static olx_scene *room_with_a_window(float half) {
   olx_scene *scene = made_scene();
   const olx_material black = plain(olx_splat(0.0f));

@@ -1,11 +1,12 @@
 // Finds which rays of glossy light are wrong: glossy-causes SCENE FIELD.olx [PIXELS] [RAYS]. For pixels of the scene's
-// cameras it compares the light of rays through the field with path tracing along the same rays, by what became of them:
+// cameras it compares the light of rays through the field with path tracing along the same rays, by how they ended:
 //   hit       ended where the scene's surface is;
 //   beside    ended at another distance;
-//   vanished  went behind what a probe sees, and took the light of what hides them;
+//   vanished  went behind what a probe sees, and took the indirect light of what hides them;
 //   unknown   began where no probe sees anything.
-// Of each kind it counts the rays whose true hit no probe sees. Errors of pixels are products of two independent halves,
-// so noise adds nothing to them on average; the last column is the error that is left when rays of the kind are right.
+// Of each kind it counts the rays whose true hit no probe sees. Errors of pixels are products of two independent
+// halves, so noise adds nothing to them on average; the last column is the error that is left when rays of the kind are
+// right.
 #include "light/path.h"
 #include "options.h"
 #include "render/camera.h"

@@ -55,9 +55,9 @@ static float lit_share(olx_vec3 stored, olx_vec3 most) {
   return share;
 }
 
-// Returns the direct irradiance of the side that a ray meets. A ray that has gone behind the stored surface, or meets it
-// from behind, meets a surface or a side that the probe did not see. Its direct light is not stored, and is taken to be
-// none.
+// Returns the direct irradiance of the side that a ray meets. A ray that has gone behind the stored surface, or meets
+// it from behind, meets a surface or a side that the probe did not see. Its direct light is not stored, and is taken to
+// be none.
 static olx_vec3 direct_light(const olx_field *field, uint32_t probe, size_t texel, float along_normal, bool vanished) {
   const bool behind = vanished || along_normal > OLX_STORED_NORMAL_ERROR;
   return behind ? olx_splat(0.0f) : olx_texel_direct(field, probe, texel);

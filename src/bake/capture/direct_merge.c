@@ -5,20 +5,21 @@
 #include "bake/capture/texel_blocks.h"
 
 enum {
-  MOST_SIDE = 8 * OLX_BLOCK_SIDE, // texels along the side of a square that shares its mean
-  SIDES_OF_MAP = 16               // such sides that a map has at least
+  MOST_SIDE = 8 * OLX_BLOCK_SIDE, // most texels along the side of a square that shares its mean
+  SIDES_OF_MAP = 16               // least number of squares along the side of a map of 64 x 64 texels or more
 };
 
-// Parts are merged where the variance between them is below this multiple of the one that is expected of noise. Noise of
-// 16 texels with 4 samples each exceeds it once in seven times, rare samples of a distant window hardly ever.
+// Parts are merged where the variance between them is below this multiple of the one that is expected of noise. Noise
+// of 16 texels with 4 samples each exceeds it once in seven times, rare samples of a distant window hardly ever.
 static const double MOST_VARIANCE = 1.5;
-// Parts whose standard error is below this share of their mean are left alone: half shadows matter more than such noise.
+// Parts whose standard error is below this share of their mean are left alone: half shadows matter more than such
+// noise.
 static const double LEAST_NOISE = 0.2;
 
 // How far the planes of merged squares may lie apart, in footprints, and how far their normals may differ.
 static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
 
-// A part of a square, or all of it.
+// Texels that are merged, or may be: a part of a square, or all of it.
 typedef struct merged {
   olx_vec3 mean;
   double squares, count;     // as in olx_direct_estimate
@@ -66,7 +67,7 @@ static merged part_of(const merge_job *m, uint32_t texel, const olx_surface *sur
                   .footprint = 2.0f * m->capture->hits[texel].t / (float)m->capture->size};
 }
 
-// Merges texels of a block, one bit each.
+// Merges those texels of a block whose bits are set.
 static bool merge_texels(const merge_job *m, uint32_t block, const olx_block_surfaces *s, uint32_t texels,
                          merged *all) {
   merged parts[OLX_BLOCK_TEXELS];
@@ -95,7 +96,7 @@ static void merge_surfaces(const merge_job *m, uint32_t block, const olx_block_s
   }
 }
 
-// Merges a block; returns whether it is one square of one plane now.
+// Merges the texels of a block. Returns whether they lie on one plane and share one mean now.
 static bool merge_block(const merge_job *m, uint32_t x, uint32_t y, merged *all) {
   const olx_capture *c = m->capture;
   const uint32_t block = y / OLX_BLOCK_SIDE * (c->size / OLX_BLOCK_SIDE) + x / OLX_BLOCK_SIDE;

@@ -1,5 +1,5 @@
-// Direct light of texels, freed of noise where it is nothing but noise: texels of one plane whose direct light differs
-// by no more than the samples within each of them leave uncertain share their mean.
+// Removes noise from the direct light of texels: those of one plane share their mean where they differ by no more than
+// the samples within each of them leave uncertain.
 #ifndef OLX_BAKE_DIRECT_MERGE_H
 #define OLX_BAKE_DIRECT_MERGE_H
 
@@ -13,7 +13,7 @@ typedef struct olx_direct_estimate {
 } olx_direct_estimate;
 
 // Merges the estimates of the probe that was captured last, one for each texel: squares of 4 x 4 texels, then of four
-// such squares, up to 32 x 32 and a sixteenth of the map's side. The mean over all texels does not change.
+// such squares, up to 32 x 32 and a sixteenth of the map's side. The mean over all samples does not change.
 olx_result olx_direct_merge(const olx_capture *capture, olx_direct_estimate *estimates);
 
 #endif

@@ -34,8 +34,8 @@ static uint64_t plan_bytes(const olx_bake_run *b) {
   return bytes;
 }
 
-// Returns the bytes of relighting's data: the lookup of surfels, links of surfels and of volume probes, sites of texels,
-// lists of them that grow, and the structure that is written.
+// Returns the bytes of relighting's data: the lookup of surfels, links of surfels and of volume probes, sites of
+// texels, lists of them that grow, and the structure that is written.
 static uint64_t relight_bytes(const olx_bake_run *b, const olx_light_needs *light) {
   const olx_bake_settings *s = b->context.settings;
   const uint64_t places = light->surfels + (uint64_t)b->volume.cells.probe_count;

@@ -16,8 +16,8 @@ typedef struct olx_relight_sites {
   uint32_t block_count, block_most, site_count, site_most, entry_count, entry_most;
 } olx_relight_sites;
 
-// Appends the sites of the latest captured probe, whose light `surfels` finds. Fails when memory runs out or when there are more sites than a file
-// can hold.
+// Appends the sites of the latest captured probe; `surfels` finds the surfels around them. Fails when memory runs out,
+// or when there are more sites than a file can hold.
 olx_result olx_relight_sites_add(olx_relight_sites *sites, const olx_capture *capture,
                                  const olx_surfel_lookup *surfels);
 // Appends the sites of another list.

@@ -1,16 +1,16 @@
-// The units of steps that fill an array of a solution: direct light of surfels, what final rays bring, light of records.
-// Each unit fills a range of the array and casts rays for it.
+// The units of steps that fill an array of a solution: direct light of surfels, what final rays bring, and the light of
+// records. Each unit fills a range of the array and casts rays for it.
 #ifndef OLX_LIGHT_LIGHT_RANGES_H
 #define OLX_LIGHT_LIGHT_RANGES_H
 
 #include "light/solution/light_solution.h"
 
 typedef struct olx_light_ranges {
-  const char *name; // the stage's
+  const char *name; // name of the stage
   size_t element_bytes;
   uint32_t (*round)(const olx_scene_light *light);
   uint32_t (*units)(const olx_scene_light *light);
-  // Returns the first element of a unit; of that after the last, the end of the array.
+  // Returns the first element of a unit, and for the unit after the last the end of the array.
   uint32_t (*first)(const olx_scene_light *light, uint32_t unit);
   void *(*array)(olx_scene_light *light); // allocates the array where there is none; returns NULL when memory runs out
   // Fills elements first to end - 1, and adds the rays that it casts to *rays.

@@ -330,7 +330,7 @@ olx_result olx_light_units_look_up(olx_scene_light *l) {
     const olx_result result = olx_units_load(l->settings.store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
   }
-  OLX_TRY(olx_light_records_look_up(l)); // a damaged one is rebuilt
+  OLX_TRY(olx_light_records_look_up(l)); // the lookup is not stored, or damaged
   return olx_unit_keep(l->settings.store, &stage);
 }
 

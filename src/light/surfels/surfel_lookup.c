@@ -9,12 +9,13 @@
 
 // Radius of a surfel's influence, in sides of its cell, and its multiple where surfels farther away are wanted.
 static const float REACH = 1.2f, WIDER = 2.0f;
-// Most distance of a point from a surfel's plane: this share of the cell's side, plus the distance between them times the
-// sine of the angle between their normals or this share, whichever is less. Between parallel planes there is a step, such
-// as that from a wall to a frame on it.
+// Most distance of a point from a surfel's plane: this share of the cell's side, plus the distance between them times
+// the sine of the angle between their normals or this share, whichever is less. Between parallel planes there is a
+// step, such as that from a wall to a frame on it.
 static const float PLANE_OF_SIDE = 0.04f, PLANE_OF_DISTANCE = 0.2f;
 static const float LEAST_NORMAL_COSINE = 0.85f;
-// Least cosine between any direction along the surface and the way to some surfel, where surfels farther away are wanted.
+// Least cosine between any direction along the surface and the way to some surfel, where surfels farther away are
+// wanted.
 static const float LEAST_AHEAD = 0.5f;
 static const float SLOPE_PENALTY = 0.01f;
 

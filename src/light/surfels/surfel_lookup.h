@@ -31,8 +31,8 @@ typedef struct olx_surfel_weights {
 } olx_surfel_weights;
 
 // Returns the linear fit at `surface` to the surfels around it that lie on the same surface and see it. count is 0 when
-// there is none. With `wide` surfels count that are up to twice as far away, provided that they lie on all sides: at the
-// edge of a large cell that smaller ones adjoin, few are near.
+// there is none. With `wide` surfels count that are up to twice as far away, provided that they lie on all sides: at
+// the edge of a large cell that smaller ones adjoin, few are near.
 olx_surfel_weights olx_surfel_weigh(const olx_surfel_lookup *lookup, const olx_surface *surface, bool wide);
 
 // Returns how far values of the surfels, one each, are off their linear fit, as a root mean square.

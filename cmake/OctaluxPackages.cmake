@@ -45,14 +45,15 @@ olx_package(runtime ${OLX_RUNTIME_PACKAGE} libs "the runtime, for programs that 
 olx_package(dev liboctalux-dev libdevel "headers, shaders and libraries to build programs with"
   DEPENDS "${OLX_RUNTIME_PACKAGE} (= ${PROJECT_VERSION})"
   # What find_package(octalux COMPONENTS bake) looks for; the runtime needs none of it.
-  RECOMMENDS "libembree-dev, libassimp-dev, libcjson-dev, libmeshoptimizer-dev, libopenexr-dev, libqhull-dev, libzstd-dev, zlib1g-dev, pkg-config")
+  RECOMMENDS "libembree-dev, libassimp-dev, libcjson-dev, libdraco-dev, libmeshoptimizer-dev, libopenexr-dev, libqhull-dev, libwebp-dev, libzstd-dev, zlib1g-dev, pkg-config")
 olx_package(tools octalux graphics "the command line, with the baker in it" RECOMMENDS "libvulkan1, mesa-vulkan-drivers | vulkan-icd")
 if(TARGET octalux-view)
   olx_package(viewer octalux-viewer graphics "the window of octalux view"
     DEPENDS "octalux (= ${PROJECT_VERSION})" RECOMMENDS "mesa-vulkan-drivers | vulkan-icd")
 endif()
 if(TARGET octalux-bake-mpi)
-  olx_package(mpi octalux-mpi graphics "baking on the ranks of an MPI job" RECOMMENDS "openmpi-bin")
+  # Open MPI starts a daemon of openmpi-bin even for a program that was started without mpirun.
+  olx_package(mpi octalux-mpi graphics "baking on the ranks of an MPI job" DEPENDS "openmpi-bin")
 endif()
 olx_package(doc octalux-doc doc "documents, examples, the Python package's source")
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)

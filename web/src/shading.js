@@ -124,12 +124,18 @@ const FRAGMENT = `
   #endif
   #ifdef OLX_GLOSSY
   if (olx_layer != 1 && olx_layer < 4 && olx_bsdf_has_specular(olx_lobes)) {
+    vec3 olx_direction;
+    vec2 olx_random = olx_pixel_random();
     float olx_weight, olx_half_cosine;
-    olx_trace_hit olx_hit;
-    olx_glossy_light = olx_glossy(olx_settings, olx_position, olx_normal, olx_view, roughnessFactor, olx_pixel_random(),
-                                  olx_weight, olx_half_cosine, olx_hit);
-    olx_glossy_light *= olx_fresnel(olx_lobes, olx_half_cosine) * olx_weight;
-    olx_rays = vec3(olx_weight > 0.0, olx_hit.status == OLX_TRACE_UNKNOWN, 0.0);
+    bool olx_leaves = olx_glossy_draw(olx_normal, olx_view, roughnessFactor, olx_random, olx_direction, olx_weight, olx_half_cosine);
+    // A reflection about a shading normal may lead into the surface, where there is no light.
+    if (olx_leaves && olx_dot(olx_direction, olx_sides.geometric) > 0.0) {
+      olx_trace_hit olx_hit;
+      olx_glossy_light = olx_glossy(olx_settings, olx_position, olx_normal, olx_view, roughnessFactor, olx_random, olx_weight,
+                                    olx_half_cosine, olx_hit);
+      olx_glossy_light *= olx_fresnel(olx_lobes, olx_half_cosine) * olx_weight;
+      olx_rays = vec3(1.0, olx_hit.status == OLX_TRACE_UNKNOWN, 0.0);
+    }
   }
   #endif
   bool olx_lit = gl_FragCoord.x >= olx_left;

@@ -9,7 +9,7 @@ set -euo pipefail
 list=${1:-build}
 
 needed=(gcc g++ cmake ninja-build pkg-config
-  libembree-dev libassimp-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libzstd-dev zlib1g-dev)
+  libembree-dev libassimp-dev libdraco-dev libopenexr-dev libstb-dev libcjson-dev libqhull-dev libxxhash-dev libmeshoptimizer-dev libwebp-dev libzstd-dev zlib1g-dev)
 # Without these packages the build leaves out the Vulkan runtime, the viewer or octalux-bake-mpi, with a message;
 # without those of the check, the page of export web.
 wanted=(glslc libvulkan-dev libglfw3-dev libimgui-dev libfreetype-dev libopenmpi-dev)

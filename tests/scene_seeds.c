@@ -2,10 +2,13 @@
 // read.
 #include "scene_seeds.h"
 
+#include "draco_maker.h"
 #include "gltf_maker.h"
 #include "scene_files.h"
 
 #include <meshoptimizer.h>
+#include <webp/encode.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,6 +130,35 @@ static void make_packed(gltf_maker *m) {
 static const char packed_primitives[] = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}, "
                                         "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}";
 
+// Makes a square that Draco compressed, and an image in WebP.
+static void make_squeezed(gltf_maker *m) {
+  const float up[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, uvs[8] = {0, 1, 1, 1, 1, 0, 0, 0};
+  const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  const uint8_t texels[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 0};
+  const draco_mesh mesh = {
+      .positions = square_positions, .normals = up, .uvs = uvs, .points = 4, .indices = indices, .faces = 2};
+  uint8_t stream[1024], *image = NULL;
+  const size_t stream_bytes = draco_encode(&mesh, stream, sizeof stream);
+  const size_t image_bytes = WebPEncodeLosslessRGBA(texels, 2, 2, 8, &image);
+  gltf_add_view(m, stream, stream_bytes, "");
+  gltf_add_view(m, image, image_bytes, "");
+  WebPFree(image);
+  gltf_add_accessor(m, "", 4, GLTF_FLOAT, "VEC3");
+  gltf_add_accessor(m, "", 4, GLTF_FLOAT, "VEC3");
+  gltf_add_accessor(m, "", 4, GLTF_FLOAT, "VEC2");
+  gltf_add_accessor(m, "", 6, GLTF_UINT16, "SCALAR");
+}
+
+static const char squeezed_primitives[] =
+    "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3, \"material\": 0, "
+    "\"extensions\": {\"KHR_draco_mesh_compression\": {\"bufferView\": 0, \"attributes\": {\"POSITION\": 0, "
+    "\"NORMAL\": 1, \"TEXCOORD_0\": 2}}}}";
+static const char squeezed_more[] =
+    ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], \"textures\": "
+    "[{\"extensions\": {\"EXT_texture_webp\": {\"source\": 0}}}], \"images\": [{\"bufferView\": 1, "
+    "\"mimeType\": \"image/webp\"}], \"extensionsRequired\": [\"KHR_draco_mesh_compression\", "
+    "\"EXT_texture_webp\"]";
+
 // Makes two seeds of a made file: as text and as .glb.
 static void make_gltf_seeds(const gltf_maker *m, const char *primitives, const char *nodes, const char *more,
                             const char *const names[2], seed_file seeds[2]) {
@@ -152,10 +184,13 @@ void scene_seeds_make(seed_file seeds[SEED_COUNT]) {
   seeds[5].size_bytes = scene_files_tga(seeds[5].bytes);
   seeds[6] = (seed_file){.name = "sky.hdr", .opened = "scene.json", .bytes = malloc(256)};
   seeds[6].size_bytes = make_hdr(seeds[6].bytes);
-  gltf_maker rich = {0}, packed = {0};
+  gltf_maker rich = {0}, packed = {0}, squeezed = {0};
   make_rich(&rich);
   make_gltf_seeds(&rich, rich_primitives, rich_nodes, rich_more, (const char *const[]){"rich.gltf", "rich.glb"},
                   seeds + 7);
+  make_squeezed(&squeezed);
+  make_gltf_seeds(&squeezed, squeezed_primitives, "[{\"mesh\": 0}]", squeezed_more,
+                  (const char *const[]){"squeezed.gltf", "squeezed.glb"}, seeds + 11);
   make_packed(&packed);
   make_gltf_seeds(&packed, packed_primitives, "[{\"mesh\": 0}]", "", (const char *const[]){"packed.gltf", "packed.glb"},
                   seeds + 9);

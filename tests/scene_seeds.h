@@ -10,7 +10,7 @@ typedef struct seed_file {
   size_t size_bytes;
 } seed_file;
 
-enum { SEED_COUNT = 11 };
+enum { SEED_COUNT = 13 };
 
 void scene_seeds_make(seed_file seeds[SEED_COUNT]);
 void scene_seeds_free(seed_file seeds[SEED_COUNT]);

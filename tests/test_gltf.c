@@ -9,6 +9,7 @@
 #include <octalux/render.h>
 
 #include <meshoptimizer.h>
+#include <webp/encode.h>
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -291,7 +292,7 @@ static void a_third_kind_of_coordinates_is_warned_about(void **state) {
 }
 
 static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void **state) {
-  static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp"};
+  static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_avif"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     gltf_maker m = {0};
     char more[600];
@@ -306,6 +307,54 @@ static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void *
     assert_int_equal(scene->texture_count, 1);
     olx_scene_free(scene);
   }
+}
+
+// Encodes a square of 2 x 2 texels whose upper left one is half red and half transparent.
+static char *webp_uri(void) {
+  const uint8_t texels[16] = {188, 0, 0, 128, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
+  uint8_t *encoded = NULL;
+  const size_t size_bytes = WebPEncodeLosslessRGBA(texels, 2, 2, 8, &encoded);
+  char *uri = make_data_uri(encoded, size_bytes);
+  WebPFree(encoded);
+  return uri;
+}
+
+static void images_may_be_webp(void **state) {
+  char *uri = webp_uri(), more[700];
+  gltf_maker m = {0};
+  add_square(&m);
+  snprintf(more, sizeof more,
+           ", \"extensionsRequired\": [\"EXT_texture_webp\"], \"materials\": [{\"pbrMetallicRoughness\": "
+           "{\"baseColorTexture\": {\"index\": 0}}}], \"textures\": [{\"extensions\": {\"EXT_texture_webp\": "
+           "{\"source\": 0}}}], \"images\": [{\"uri\": \"%s\"}]",
+           uri);
+  olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+  assert_int_equal(scene->texture_count, 1);
+  assert_memory_equal(scene->textures[0].texels, ((uint8_t[4]){188, 0, 0, 128}), 4);
+  assert_near_vector(look_at_square(scene, 0.75f, 0.75f).base_color, 0, 0.95f, 0, 1e-6f);
+  olx_scene_free(scene);
+  free(uri);
+}
+
+static void damaged_webp_is_left_out_with_a_warning(void **state) {
+  const uint8_t header[] = "RIFF\x1a\0\0\0WEBPVP8L\x0d\0\0\0\x2f\xff\xff\xff\x07\0\0\0\0\0\0\0\0";
+  char *greedy = make_data_uri(header, sizeof header - 1), *whole = webp_uri(), more[700];
+  const char *const messages[] = {"bytes cannot hold", "cannot decode this WebP image"};
+  whole[strlen(whole) - 24] = 0; // three times 24 / 4 bytes are missing
+  for (int i = 0; i < 2; ++i) {
+    gltf_maker m = {0};
+    add_square(&m);
+    snprintf(more, sizeof more,
+             ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], \"textures\": "
+             "[{\"extensions\": {\"EXT_texture_webp\": {\"source\": 0}}}], \"images\": [{\"uri\": \"%s\"}]",
+             i ? whole : greedy);
+    olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+    assert_int_equal(scene->texture_count, 0);
+    assert_model_warned(scene, messages[i]);
+    olx_scene_free(scene);
+  }
+  free(greedy);
+  free(whole);
 }
 
 // ---- scenes and nodes
@@ -393,12 +442,10 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
 }
 
 static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
-  static const char *const names[] = {"KHR_draco_mesh_compression", "KHR_texture_basisu", "EXT_texture_webp",
-                                      "EXT_mesh_gpu_instancing", "ABC_unheard_of"};
-  static const char *const remedies[] = {("KHR_draco_mesh_compression, which is not supported: export the model again "
-                                          "without compression"),
-                                         "export the model again with textures in PNG or JPEG",
-                                         "export the model again with textures in PNG or JPEG", "EXT", "ABC"};
+  static const char *const names[] = {"KHR_texture_basisu", "EXT_texture_avif", "EXT_mesh_gpu_instancing",
+                                      "ABC_unheard_of"};
+  static const char *const remedies[] = {"export the model again with textures in PNG, JPEG or WebP",
+                                         "export the model again with textures in PNG, JPEG or WebP", "EXT", "ABC"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
     gltf_maker m = {0};
     char more[128];
@@ -558,6 +605,8 @@ int main(void) {
       WITH_FOLDER(a_texture_transform_may_name_another_set),
       WITH_FOLDER(a_third_kind_of_coordinates_is_warned_about),
       WITH_FOLDER(images_of_other_kinds_are_refused_or_replaced_by_their_source),
+      WITH_FOLDER(images_may_be_webp),
+      WITH_FOLDER(damaged_webp_is_left_out_with_a_warning),
       WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),
       WITH_FOLDER(nodes_may_be_nested_but_not_without_end),
       WITH_FOLDER(skins_and_morphs_are_warned_about),

@@ -14,6 +14,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include <webp/encode.h>
+
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #pragma GCC diagnostic push
@@ -134,6 +136,13 @@ static void make_pictures(void) {
   stbi_write_bmp(path_of("image", "rgb.bmp"), 9, 7, 3, texels);
   stbi_write_jpg(path_of("image", "rgb.jpg"), 9, 7, 3, texels, 90);
   stbi_write_jpg(path_of("image", "coarse.jpg"), 9, 7, 3, texels, 20);
+  uint8_t *webp[2];
+  const size_t webp_bytes[2] = {WebPEncodeLosslessRGBA(texels, 9, 7, 36, &webp[0]),
+                                WebPEncodeRGBA(texels, 9, 7, 36, 60.0f, &webp[1])};
+  for (int i = 0; i < 2; i++) {
+    write_seed("image", i ? "lossy.webp" : "exact.webp", webp[i], webp_bytes[i]);
+    WebPFree(webp[i]);
+  }
   stbi_write_hdr(path_of("image", "light.hdr"), 9, 7, 3, light);
   olx_image image;
   demand(olx_image_create(9, 7, 3, &image) == OLX_OK, "an image");

@@ -1,4 +1,4 @@
-// Loads its input as a texture (JPEG, PNG, TGA, BMP), as an environment (HDR, EXR), and as a picture for `compare`
+// Loads its input as a texture (JPEG, PNG, WebP, TGA, BMP), as an environment (HDR, EXR), and as a picture for `compare`
 // (EXR), for coverage-guided fuzzing.
 #include "harness.h"
 #include "sound_scene.h"

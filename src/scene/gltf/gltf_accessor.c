@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf/gltf_buffer.h"
+#include "scene/gltf/gltf_draco.h"
 #include "scene/gltf/gltf_meshopt.h"
 
 #include <math.h>
@@ -85,7 +86,8 @@ static olx_result read_place(const olx_gltf *gltf, uint32_t i, const cJSON *elem
   }
   const uint64_t element_bytes = a->components * component_bytes(a->type);
   a->stride = element_bytes;
-  if (a->view == OLX_GLTF_NONE) return check_zeros(gltf, i, a);
+  if (a->compressed) a->view = OLX_GLTF_NONE;
+  if (a->view == OLX_GLTF_NONE) return a->compressed ? OLX_OK : check_zeros(gltf, i, a);
   const uint64_t stride = gltf->view_data[a->view].stride;
   if (stride) a->stride = stride;
   if (!olx_json_size(element, "byteOffset", 0, &a->offset) || a->stride < element_bytes ||
@@ -115,8 +117,16 @@ static olx_result read_accessor(const olx_gltf *gltf, uint32_t i) {
 olx_result olx_gltf_open_accessors(olx_gltf *gltf) {
   gltf->accessor_data = olx_allocate_zero(gltf->accessors.count, sizeof *gltf->accessor_data);
   if (!gltf->accessor_data) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
+  olx_gltf_mark_draco(gltf);
   for (uint32_t i = 0; i < gltf->accessors.count; ++i) OLX_TRY(read_accessor(gltf, i));
   return OLX_OK;
+}
+
+void olx_gltf_release_accessors(olx_gltf *gltf) {
+  for (uint32_t i = 0; gltf->accessor_data && i < gltf->accessors.count; ++i) {
+    olx_release(gltf->accessor_data[i].decoded);
+  }
+  olx_release(gltf->accessor_data);
 }
 
 // ---- Reading
@@ -198,15 +208,22 @@ static olx_result replace_sparse(const olx_gltf *gltf, uint32_t accessor, uint32
   return OLX_OK;
 }
 
+// Finds the first element of an accessor; NULL when all are 0 unless replaced.
+static olx_result find_elements(const olx_gltf *gltf, const olx_gltf_accessor *a, const uint8_t **elements) {
+  *elements = a->decoded;
+  if (a->view == OLX_GLTF_NONE) return OLX_OK;
+  olx_gltf_bytes bytes;
+  OLX_TRY(olx_gltf_view_bytes(gltf, a->view, &bytes));
+  *elements = bytes.data + a->offset;
+  return OLX_OK;
+}
+
 olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers) {
   const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
-  if (a->view == OLX_GLTF_NONE) {
-    clear_elements(a, components, numbers);
-  } else {
-    olx_gltf_bytes bytes;
-    OLX_TRY(olx_gltf_view_bytes(gltf, a->view, &bytes));
-    read_elements(a, bytes.data + a->offset, components, numbers);
-  }
+  const uint8_t *elements;
+  OLX_TRY(find_elements(gltf, a, &elements));
+  if (elements) read_elements(a, elements, components, numbers);
+  else clear_elements(a, components, numbers);
   return a->sparse.count ? replace_sparse(gltf, accessor, components, numbers) : OLX_OK;
 }
 
@@ -227,12 +244,12 @@ static olx_result replace_sparse_indices(const olx_gltf *gltf, uint32_t accessor
 
 olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices) {
   const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
-  if (a->view == OLX_GLTF_NONE) {
-    memset(indices, 0, a->count * sizeof *indices);
+  const uint8_t *elements;
+  OLX_TRY(find_elements(gltf, a, &elements));
+  if (elements) {
+    for (uint64_t i = 0; i < a->count; ++i) indices[i] = integer_at(elements + i * a->stride, a->type);
   } else {
-    olx_gltf_bytes bytes;
-    OLX_TRY(olx_gltf_view_bytes(gltf, a->view, &bytes));
-    for (uint64_t i = 0; i < a->count; ++i) indices[i] = integer_at(bytes.data + a->offset + i * a->stride, a->type);
+    memset(indices, 0, a->count * sizeof *indices);
   }
   return a->sparse.count ? replace_sparse_indices(gltf, accessor, indices) : OLX_OK;
 }

@@ -22,7 +22,10 @@ typedef struct olx_gltf_sparse {
 } olx_gltf_sparse;
 
 struct olx_gltf_accessor {
-  uint32_t view; // OLX_GLTF_NONE: all elements are 0 unless replaced
+  uint32_t view;            // OLX_GLTF_NONE: all elements are compressed, or 0 unless replaced
+  bool compressed;          // each primitive has elements of its own in its Draco stream
+  uint8_t *decoded;         // those of one primitive, packed
+  const cJSON *decoded_for; // that primitive
   olx_gltf_component type;
   uint32_t components; // components of an element
   bool normalized;     // integers represent 0 to 1, or -1 to 1
@@ -32,6 +35,7 @@ struct olx_gltf_accessor {
 
 // Reads and checks all accessors: their types, and that they lie within their views.
 olx_result olx_gltf_open_accessors(olx_gltf *gltf);
+void olx_gltf_release_accessors(olx_gltf *gltf);
 
 // Reads the first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer,
 // the others are unchanged. The caller provides room for all.

@@ -64,6 +64,8 @@ static olx_result parse_json(olx_gltf *gltf) {
 // ---- Version and extensions
 
 static const char *const supported_extensions[] = {"EXT_meshopt_compression",
+                                                   "EXT_texture_webp",
+                                                   "KHR_draco_mesh_compression",
                                                    "KHR_lights_punctual",
                                                    "KHR_materials_emissive_strength",
                                                    "KHR_materials_pbrSpecularGlossiness",
@@ -96,11 +98,8 @@ static bool listed(const char *name, const char *const *list, size_t count) {
 
 // Returns how a file that needs an extension is made readable, as the end of a message.
 static const char *remedy_for(const char *extension) {
-  if (strcmp(extension, "KHR_draco_mesh_compression") == 0) {
-    return ": export the model again without compression, or with meshopt's";
-  }
   if (strncmp(extension, "EXT_texture_", 12) == 0 || strcmp(extension, "KHR_texture_basisu") == 0) {
-    return ": export the model again with textures in PNG or JPEG";
+    return ": export the model again with textures in PNG, JPEG or WebP";
   }
   return "";
 }

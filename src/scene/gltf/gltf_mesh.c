@@ -5,6 +5,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_draco.h"
 #include "scene/scene_build.h"
 
 #include <stdio.h>
@@ -106,6 +107,7 @@ static olx_result check_primitive(const olx_gltf *gltf, uint32_t mesh, const cJS
   }
   cJSON_ArrayForEach(attribute, attributes) OLX_TRY(check_attribute(gltf, mesh, attribute));
   OLX_TRY(check_indices(gltf, mesh, primitive));
+  OLX_TRY(olx_gltf_check_draco(gltf, mesh, primitive));
   return check_mode(gltf, mesh, primitive);
 }
 
@@ -302,6 +304,7 @@ static olx_result make_triangles(primitive_reader *r) {
 }
 
 static olx_result read_primitive(primitive_reader *r) {
+  OLX_TRY(olx_gltf_decode_draco(r->gltf, r->primitive));
   OLX_TRY(read_positions(r));
   OLX_TRY(read_normals(r));
   OLX_TRY(read_tangents(r));

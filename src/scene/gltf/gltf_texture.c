@@ -101,14 +101,22 @@ static olx_result request_image(olx_gltf *gltf, olx_material_import *import, uin
   return request_embedded(gltf, import, image, bytes, use, number);
 }
 
+// Finds the image of a texture: its source, or else its image in WebP. *image is OLX_GLTF_NONE when it has neither.
+static bool find_image(const olx_gltf *gltf, uint32_t texture, uint32_t *image) {
+  const cJSON *element = gltf->textures.elements[texture];
+  if (!olx_gltf_index(element, "source", gltf->images.count, image)) return false;
+  if (*image != OLX_GLTF_NONE) return true;
+  return olx_gltf_index(olx_gltf_extension(element, "EXT_texture_webp"), "source", gltf->images.count, image);
+}
+
 // Rejects kinds of images that are not supported.
 static olx_result refuse_kind(const olx_gltf *gltf, uint32_t texture) {
-  static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"};
+  static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     if (!olx_gltf_extension(gltf->textures.elements[texture], kinds[i])) continue;
     return olx_fail(
         OLX_ERROR_UNSUPPORTED,
-        "%s: textures[%u]: its only image is one of %s, which is not supported: give it a source in PNG or JPEG",
+        "%s: textures[%u]: its only image is one of %s, which is not supported: give it a source in PNG, JPEG or WebP",
         gltf->path, texture, kinds[i]);
   }
   return OLX_OK;
@@ -120,7 +128,7 @@ olx_result olx_gltf_request_texture(olx_gltf *gltf, olx_material_import *import,
   *number = OLX_NO_TEXTURE;
   if (!gltf->image_data) gltf->image_data = olx_allocate_zero(gltf->images.count, sizeof *gltf->image_data);
   if (!gltf->image_data) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
-  if (!olx_gltf_index(gltf->textures.elements[texture], "source", gltf->images.count, &image)) {
+  if (!find_image(gltf, texture, &image)) {
     return olx_gltf_fail(gltf, "textures", texture, "its image does not exist");
   }
   if (image == OLX_GLTF_NONE) return refuse_kind(gltf, texture);

@@ -151,7 +151,7 @@ olx_result olx_import_gltf(const char *path, const olx_affine *placement, olx_sc
   olx_release(import.surfaces);
   olx_release(import.seen);
   olx_gltf_release_images(&gltf);
-  olx_release(gltf.accessor_data);
+  olx_gltf_release_accessors(&gltf);
   olx_gltf_release_buffers(&gltf);
   olx_gltf_close(&gltf);
   return result;

@@ -10,12 +10,16 @@
 #include "scene/images/hdr_check.h"
 #include "scene/images/jpeg_check.h"
 #include "scene/images/png_check.h"
+#include "scene/images/webp_file.h"
 #include "scene/import/import_limits.h"
 
 #include <limits.h>
 #include <string.h>
 
-enum { LONGEST_SIDE = 16384 };
+enum {
+  LONGEST_SIDE = 16384,
+  FEW_TEXELS = 1 << 22 // of one colour they take some tens of bytes as WebP
+};
 
 static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {
   void *resized = olx_allocate(new_bytes, 1);
@@ -56,22 +60,28 @@ static void read_png_size(const void *data, size_t size_bytes, int *width, int *
   *height = sides[1] < INT_MAX ? (int)sides[1] : INT_MAX;
 }
 
+static olx_result read_size(const char *path, const void *data, size_t size_bytes, int *width, int *height) {
+  int channels;
+  if (size_bytes > INT_MAX) return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of more than 2 GiB", path);
+  if (olx_is_webp(data, size_bytes)) return olx_webp_size(path, data, size_bytes, width, height);
+  OLX_TRY(olx_jpeg_check(path, data, size_bytes));
+  const bool known = stbi_info_from_memory(data, (int)size_bytes, width, height, &channels);
+  if (!known) read_png_size(data, size_bytes, width, height);
+  if (known || *width > LONGEST_SIDE || *height > LONGEST_SIDE) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: not an image that can be read (%s)", path, stbi_failure_reason());
+}
+
 // Rejects headers that claim more texels per byte than a compressed image can hold.
 static olx_result check_header(const char *path, const void *data, size_t size_bytes, uint64_t *texels) {
-  int width = 0, height = 0, channels = 0;
-  if (size_bytes > INT_MAX) return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of more than 2 GiB", path);
-  OLX_TRY(olx_jpeg_check(path, data, size_bytes));
-  const bool known = stbi_info_from_memory(data, (int)size_bytes, &width, &height, &channels);
-  if (!known) read_png_size(data, size_bytes, &width, &height);
-  if (!known && width <= LONGEST_SIDE && height <= LONGEST_SIDE) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: not an image that can be read (%s)", path, stbi_failure_reason());
-  }
+  int width = 0, height = 0;
+  OLX_TRY(read_size(path, data, size_bytes, &width, &height));
   if (width > LONGEST_SIDE || height > LONGEST_SIDE) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "%s: an image of %d x %d texels, of which a side can have %d at most", path,
                     width, height, LONGEST_SIDE);
   }
   *texels = (uint64_t)width * (uint64_t)height;
-  if (width < 1 || height < 1 || *texels / 16384 > size_bytes) {
+  const bool few = olx_is_webp(data, size_bytes) && *texels <= FEW_TEXELS;
+  if (width < 1 || height < 1 || (!few && *texels / 16384 > size_bytes)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: the header says %d x %d texels, which %zu bytes cannot hold", path, width,
                     height, size_bytes);
   }
@@ -85,15 +95,27 @@ static void alpha_to_red(olx_texture *texture) {
   for (size_t i = 0; i < count && varies; ++i) texture->texels[i * 4] = texture->texels[i * 4 + 3];
 }
 
+static olx_result decode_texels(const char *path, const void *data, size_t size_bytes, int *width, int *height,
+                                uint8_t **texels) {
+  int channels;
+  if (olx_is_webp(data, size_bytes)) {
+    OLX_TRY(olx_webp_size(path, data, size_bytes, width, height));
+    return olx_webp_decode(path, data, size_bytes, *width, *height, texels);
+  }
+  OLX_TRY(olx_png_check(path, data, size_bytes));
+  OLX_TRY(olx_hdr_check(path, data, size_bytes));
+  *texels = stbi_load_from_memory(data, (int)size_bytes, width, height, &channels, 4);
+  if (*texels) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: cannot decode the image (%s)", path, stbi_failure_reason());
+}
+
 static olx_result decode_texture(const char *path, const void *data, size_t size_bytes, olx_texture_use use,
                                  olx_texture *texture) {
   uint64_t count;
+  int width = 0, height = 0;
+  uint8_t *texels = NULL;
   OLX_TRY(check_header(path, data, size_bytes, &count));
-  OLX_TRY(olx_png_check(path, data, size_bytes));
-  OLX_TRY(olx_hdr_check(path, data, size_bytes));
-  int width = 0, height = 0, channels = 0;
-  uint8_t *texels = stbi_load_from_memory(data, (int)size_bytes, &width, &height, &channels, 4);
-  if (!texels) return olx_fail(OLX_ERROR_FORMAT, "%s: cannot decode the image (%s)", path, stbi_failure_reason());
+  OLX_TRY(decode_texels(path, data, size_bytes, &width, &height, &texels));
   *texture = (olx_texture){
       .width = (uint32_t)width, .height = (uint32_t)height, .texels = texels, .srgb = use == OLX_TEXTURE_COLOR};
   if (use == OLX_TEXTURE_COVERAGE) alpha_to_red(texture);

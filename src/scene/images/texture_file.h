@@ -1,4 +1,4 @@
-// Decodes image files: textures (JPEG, PNG, TGA, BMP) and environments (Radiance .hdr, OpenEXR).
+// Decodes image files: textures (JPEG, PNG, WebP, TGA, BMP) and environments (Radiance .hdr, OpenEXR).
 #ifndef OLX_SCENE_TEXTURE_FILE_H
 #define OLX_SCENE_TEXTURE_FILE_H
 

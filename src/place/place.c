@@ -14,6 +14,7 @@
 #include "place/optimize.h"
 #include "place/skeleton/skeleton.h"
 #include "place/space/headroom.h"
+#include "place/space/space_box.h"
 #include "place/space/space_find.h"
 
 #include <octalux/limits.h>

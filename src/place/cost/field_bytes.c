@@ -12,7 +12,7 @@
 #include "field/texels.h"
 #include "field/volume_data.h"
 #include "place/cost/rough_light.h"
-#include "place/space/space_find.h"
+#include "place/space/space_box.h"
 
 #include <stdlib.h>
 #include <string.h>

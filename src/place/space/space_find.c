@@ -8,15 +8,14 @@
 #include "core/sampling.h"
 #include "place/space/outdoors.h"
 #include "place/space/space.h"
+#include "place/space/space_box.h"
 #include "scene/bvh.h"
 #include "scene/emitters.h"
 
 #include <string.h>
 
 #define LEAST_INDOORS 0.05f // least share of all reached space that may remain
-#define LARGEST_RISE 0.125f // of the diagonal: how far space above the scene matters to cameras that look down
 enum {
-  CAMERA_RAYS = 48,    // rays along the height and the width of the image of a camera outside the box
   MAX_COMPONENTS = 64, // most connected components that are classified, the largest ones
   SAMPLES = 24,        // sample positions in each component, or in all of the space that matters
   LIGHT_DRAWS = 4,     // samples of each group of lights at such a position
@@ -57,14 +56,10 @@ static bool clip(const olx_world *w, olx_vec3 origin, olx_vec3 direction, float 
 
 // Floods from every free voxel that a camera outside the box sees.
 static uint64_t enter_by_looking(olx_world *w, const olx_camera *camera) {
-  const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
-  const olx_vec3 right = olx_normalize(olx_cross(forward, camera->up)), up = olx_cross(right, forward);
-  const float half = tanf(0.5f * camera->fov_y_degrees * OLX_PI / 180.0f), size = w->lattice.size;
+  const float size = w->lattice.size;
   uint64_t flooded = 0;
-  for (uint32_t i = 0; i < CAMERA_RAYS * CAMERA_RAYS; i++) {
-    const float x = ((float)(i % CAMERA_RAYS) + 0.5f) * (2.0f / CAMERA_RAYS) - 1.0f;
-    const float y = ((float)(i / CAMERA_RAYS) + 0.5f) * (2.0f / CAMERA_RAYS) - 1.0f;
-    const olx_vec3 direction = olx_normalize(olx_madd(olx_madd(forward, right, x * half), up, y * half));
+  for (uint32_t i = 0; i < OLX_LOOKS; i++) {
+    const olx_vec3 direction = olx_look_direction(camera, i);
     float enter = 0.0f, leave = INFINITY;
     if (!clip(w, camera->eye, direction, &enter, &leave)) continue;
     const olx_ray ray = {camera->eye, direction, 0.0f, INFINITY};
@@ -324,36 +319,6 @@ static olx_result flood_space(olx_world *w, uint32_t threads) {
   if (w->reached_count > 0) return sift(w, indoors, threads);
   return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: every free place in %s is inside geometry",
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");
-}
-
-// Returns the height up to which probes are of use: that of the scene, or of the highest camera that looks down on it,
-// at most LARGEST_RISE of the diagonal above the scene. Only from there can a probe see what lies uppermost.
-static float height_of_interest(const olx_scene *scene, float diagonal) {
-  const float top = scene->bounds_max.y;
-  float highest = top;
-  for (uint32_t i = 0; i < scene->camera_count; i++) highest = olx_max(highest, scene->cameras[i].eye.y);
-  return olx_min(highest, top + LARGEST_RISE * diagonal);
-}
-
-// Finds the box of interest: the playable one, as far as it is near the scene, or the scene's bounds with the space
-// above them from which cameras look down.
-olx_result olx_space_box(const olx_scene *scene, olx_box *box) {
-  const olx_probe_rules *rules = &scene->probe_rules;
-  *box = (olx_box){scene->bounds_min, scene->bounds_max};
-  const float diagonal = olx_length(olx_sub(box->max, box->min));
-  if (!rules->has_playable) box->max.y = height_of_interest(scene, diagonal);
-  if (rules->has_playable) {
-    box->min = olx_max_each(rules->playable.min, olx_add(box->min, olx_splat(-diagonal)));
-    box->max = olx_min_each(rules->playable.max, olx_add(box->max, olx_splat(diagonal)));
-  }
-  const olx_vec3 extent = olx_sub(box->max, box->min);
-  if (extent.x > 0.0f && extent.y > 0.0f && extent.z > 0.0f) return OLX_OK;
-  if (!rules->has_playable) {
-    return olx_fail(OLX_ERROR_EMPTY,
-                    "nowhere to place probes: the scene is flat, its bounds hold no volume; a playable "
-                    "box in its description can say where to look");
-  }
-  return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: the playable box holds no volume near the scene");
 }
 
 static olx_result find_space(olx_world *world, uint32_t threads) {

@@ -11,13 +11,11 @@ enum {
 // With several tiles, numbers of samples in the settings of a placement are per this many voxels of space.
 #define OLX_SETTINGS_VOXELS ((double)(1u << 20))
 
-// Finds the box that is flooded for the space that matters: the playable one, as far as it is near the scene, or the
-// scene's bounds. Returns OLX_ERROR_EMPTY when it has no volume.
+// Both flood the box of interest (space_box.h). The flood begins at the cameras (a camera outside the box enters where it
+// looks) and at pinned probes. Without a camera that can enter, it fills all of the playable box that is not inside
+// geometry or, without a box, the largest such space that light reaches. Without a playable box, space behind the
+// scenery (outdoors.h) is excluded.
 //
-// The flood begins at the cameras (a camera outside the box enters where it looks) and at pinned probes. Without a
-// camera that can enter, it fills all of the playable box that is not inside geometry or, without a box, the largest
-// such space that light reaches. Without a playable box, space behind the scenery (outdoors.h) is excluded.
-olx_result olx_space_box(const olx_scene *scene, olx_box *box);
 // Finds the space in one tile, with `resolution` voxels along its longest side. Returns OLX_ERROR_EMPTY when there is
 // none.
 olx_result olx_world_create_small(const olx_scene *scene, uint32_t resolution, uint32_t threads, olx_world *world);

@@ -4,13 +4,19 @@
 #include "bake/capture/texel_light.h"
 
 #include "bake/capture/texel_blocks.h"
+#include "core/sampling.h"
+#include "scene/bvh.h"
 
 #include <stdlib.h>
 
 enum {
   NOT_FOUND = OLX_BLOCK_TEXELS,
-  SHARED_SHARE = 64 // texels share gathered light over this part of a map's side, or less
+  SHARED_SHARE = 64, // texels share gathered light over this part of a map's side, or less
+  ROOM_RAYS = 32
 };
+// Texels share gathered light over this part of the harmonic mean distance to what its place sees, or less: light
+// changes over a distance in proportion to that (Ward et al. 1988).
+static const float SHARED_ROOM = 0.35f;
 
 typedef struct texel_light {
   const olx_capture *capture;
@@ -41,11 +47,30 @@ static void interpolate(const texel_light *t, uint32_t block, const olx_surface 
   }
 }
 
-// Texels of a block whose light was gathered.
+// Texels of a block whose light was gathered, and how far from each it is shared, in metres.
 typedef struct gathered_texels {
   uint32_t count;
   uint8_t texels[OLX_BLOCK_TEXELS];
+  float reach[OLX_BLOCK_TEXELS];
 } gathered_texels;
+
+// Returns how far from a surface point others share its light.
+static float reach_of(const texel_light *t, const olx_surface *surface) {
+  const olx_vec3 origin =
+      olx_madd(olx_add(surface->position, surface->inward), surface->geometric_normal, surface->epsilon);
+  olx_ray rays[ROOM_RAYS];
+  olx_ray_hit hits[ROOM_RAYS];
+  float inverse = 0.0f;
+  for (uint32_t i = 0; i < ROOM_RAYS; i++) {
+    const olx_vec3 local = olx_sample_cosine(olx_hammersley(i, ROOM_RAYS));
+    rays[i] = (olx_ray){origin, olx_from_basis(local, surface->geometric_normal), 0.0f, INFINITY};
+  }
+  olx_bvh_intersect_many(t->capture->context->scene->bvh, rays, ROOM_RAYS, true, hits);
+  for (uint32_t i = 0; i < ROOM_RAYS; i++) {
+    if (hits[i].triangle != OLX_NO_HIT) inverse += 1.0f / olx_max(hits[i].t, surface->epsilon);
+  }
+  return SHARED_ROOM * ROOM_RAYS / inverse;
+}
 
 static uint32_t texels_apart(uint32_t a, uint32_t b) {
   const uint32_t columns = (uint32_t)abs((int)(a % OLX_BLOCK_SIDE) - (int)(b % OLX_BLOCK_SIDE)),
@@ -65,7 +90,7 @@ static uint32_t find_gathered(const texel_light *t, uint32_t block, const gather
     if (!olx_block_shares(t->capture, block, s, texel, g->texels[i])) continue;
     const olx_vec3 way = olx_sub(s->surface[g->texels[i]].position, s->surface[texel].position);
     const float squared = olx_dot(way, way);
-    if (squared >= least) continue;
+    if (squared >= least || squared > olx_square(g->reach[i])) continue;
     least = squared;
     found = g->texels[i];
   }
@@ -82,6 +107,7 @@ static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const 
     return;
   }
   *irradiance = olx_scene_light_gather(t->light, &s->surface[i], row_of(t, block));
+  gathered->reach[gathered->count] = reach_of(t, &s->surface[i]);
   gathered->texels[gathered->count++] = (uint8_t)i;
 }
 

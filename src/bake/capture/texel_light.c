@@ -47,7 +47,7 @@ static void interpolate(const texel_light *t, uint32_t block, const olx_surface 
   }
 }
 
-// Texels of a block whose light was gathered, and how far from each it is shared, in metres.
+// Texels of a block whose light was gathered, and how far from each it is shared, in metres; 0 until that is asked.
 typedef struct gathered_texels {
   uint32_t count;
   uint8_t texels[OLX_BLOCK_TEXELS];
@@ -78,10 +78,16 @@ static uint32_t texels_apart(uint32_t a, uint32_t b) {
   return columns > rows ? columns : rows;
 }
 
+// Returns whether the light of gathered texel `i` reaches as far as to another, by the square of their distance.
+static bool reaches(const texel_light *t, gathered_texels *g, const olx_block_surfaces *s, uint32_t i, float squared) {
+  if (!(g->reach[i] > 0.0f)) g->reach[i] = reach_of(t, &s->surface[g->texels[i]]);
+  return squared <= olx_square(g->reach[i]);
+}
+
 // Returns the gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie
-// on its surface; NOT_FOUND when there is none.
-static uint32_t find_gathered(const texel_light *t, uint32_t block, const gathered_texels *g,
-                              const olx_block_surfaces *s, uint32_t texel) {
+// on its surface and whose light reaches it; NOT_FOUND when there is none.
+static uint32_t find_gathered(const texel_light *t, uint32_t block, gathered_texels *g, const olx_block_surfaces *s,
+                              uint32_t texel) {
   const uint32_t shared = t->capture->size / SHARED_SHARE;
   uint32_t found = NOT_FOUND;
   float least = INFINITY;
@@ -90,7 +96,7 @@ static uint32_t find_gathered(const texel_light *t, uint32_t block, const gather
     if (!olx_block_shares(t->capture, block, s, texel, g->texels[i])) continue;
     const olx_vec3 way = olx_sub(s->surface[g->texels[i]].position, s->surface[texel].position);
     const float squared = olx_dot(way, way);
-    if (squared >= least || squared > olx_square(g->reach[i])) continue;
+    if (squared >= least || !reaches(t, g, s, i, squared)) continue;
     least = squared;
     found = g->texels[i];
   }
@@ -107,7 +113,6 @@ static void light_texel(const texel_light *t, uint32_t block, uint32_t i, const 
     return;
   }
   *irradiance = olx_scene_light_gather(t->light, &s->surface[i], row_of(t, block));
-  gathered->reach[gathered->count] = reach_of(t, &s->surface[i]);
   gathered->texels[gathered->count++] = (uint8_t)i;
 }
 

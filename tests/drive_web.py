@@ -101,18 +101,26 @@ def touch(page, kind, *points):
     page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)])
 
 
+def wait_for_frame(page):
+    """Waits until a frame that began after now is on the screen."""
+    page.wait("octalux.state.frames >= %d" % (page.value("octalux.state.frames") + 2), 120)
+
+
 def use_tools(page, shot):
     pressed = lambda tool: page.value("document.getElementById('%s').getAttribute('aria-pressed') === 'true'" % tool)
     page.click("#indirect")
     check(page.value("octalux.field.uniforms.olx_strength.value.x") == 0 and not pressed("indirect"), "indirect light goes off")
+    wait_for_frame(page)
     shot("without")
     key(page, "KeyI")
     check(page.value("octalux.field.uniforms.olx_strength.value.x") == 1 and pressed("indirect"), "and on again by its key")
     page.click("#compare")
     page.wait("octalux.field.uniforms.olx_left.value > 0", 60)
+    wait_for_frame(page)
     shot("before-and-after")
     page.click("#compare")
     page.click("#probes")
+    wait_for_frame(page)
     shot("probes")
     page.click("#probes")
     before = position(page)

@@ -32,6 +32,7 @@ renderer.shadowMap.autoUpdate = false; // shadows change with the ball alone
 const depth = new Scene(), scene = new Scene(), shine = new Scene(), scenes = [depth, scene];
 const picture = new Picture(renderer), shadowed = new Vector3(NaN); // position of the ball when shadows were last drawn
 let room, field, camera, ball, walk, probes, carried = null, scale = LEAST_SCALE, share = LEAST_SHARE, lastChange = 0, lastFrame = 0;
+let answered = 0; // the last change that a small picture has shown
 let glossyMoves = true; // whether reflections are drawn while things move
 let isDrawn = () => true, begun = 0; // whether the device has drawn the last frame, and its start
 let drawing = false; // whether frames are drawn
@@ -183,11 +184,13 @@ function draw() {
   lastFrame = now;
   if (!isDrawn()) return;
   isDrawn = () => true;
-  const moving = isMoving(), rows = chooseSize(begun ? now - begun : SLOWEST_FRAME, moving);
+  // On slow devices a change can end before the last frame does. It is shown by a small picture even then.
+  const moving = isMoving() || answered !== lastChange, rows = chooseSize(begun ? now - begun : SLOWEST_FRAME, moving);
   begun = 0;
   if (picture.settled) return;
   place();
   picture.draw(moving && !glossyMoves ? [depth, scene] : scenes, camera, field, rows);
+  if (moving) answered = lastChange;
   isDrawn = submit();
   begun = seconds();
   state.frames++;

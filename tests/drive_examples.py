@@ -22,7 +22,7 @@ MEAN = """new Promise((done) => requestAnimationFrame(() => {
 
 def show(page, address, name, output):
     page.visit(address + name + ".html")
-    page.wait("document.querySelector('canvas')")
+    page.wait("document.querySelector('canvas') !== null")
     page.wait("(async () => (await %s) > 8)()" % MEAN)
     page.screenshot(os.path.join(output, name + ".png"), full=False)
     print("%s: mean %.1f of 255" % (name, page.value(MEAN)))

@@ -42,7 +42,7 @@ static bool read_numbers(const draco::PointAttribute &attribute, uint32_t points
 bool olx_draco_read_attribute(const olx_draco_mesh *mesh, uint32_t unique_id, int component_type, uint32_t components,
                               void *elements) {
   const draco::PointAttribute *attribute = mesh->mesh->GetAttributeByUniqueId(unique_id);
-  if (!attribute) return false;
+  if (!attribute || attribute->data_type() == draco::DT_BOOL) return false; // glTF has no booleans
   const uint32_t points = olx_draco_points(mesh);
   switch (component_type) {
   case 5120: return read_numbers<int8_t>(*attribute, points, components, elements);

@@ -5,7 +5,6 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "scene/gltf/gltf_buffer.h"
-#include "scene/gltf/gltf_draco.h"
 #include "scene/gltf/gltf_meshopt.h"
 
 #include <math.h>
@@ -114,10 +113,12 @@ static olx_result read_accessor(const olx_gltf *gltf, uint32_t i) {
   return read_place(gltf, i, element, a);
 }
 
-olx_result olx_gltf_open_accessors(olx_gltf *gltf) {
+olx_result olx_gltf_make_accessors(olx_gltf *gltf) {
   gltf->accessor_data = olx_allocate_zero(gltf->accessors.count, sizeof *gltf->accessor_data);
-  if (!gltf->accessor_data) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
-  olx_gltf_mark_draco(gltf);
+  return gltf->accessor_data ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
+}
+
+olx_result olx_gltf_open_accessors(olx_gltf *gltf) {
   for (uint32_t i = 0; i < gltf->accessors.count; ++i) OLX_TRY(read_accessor(gltf, i));
   return OLX_OK;
 }

@@ -33,7 +33,10 @@ struct olx_gltf_accessor {
   olx_gltf_sparse sparse;
 };
 
-// Reads and checks all accessors: their types, and that they lie within their views.
+// Makes the accessors, of which nothing is known yet.
+olx_result olx_gltf_make_accessors(olx_gltf *gltf);
+// Reads and checks all accessors: their types, and that they lie within their views. Those with compressed elements
+// must have been marked (gltf_draco.h).
 olx_result olx_gltf_open_accessors(olx_gltf *gltf);
 void olx_gltf_release_accessors(olx_gltf *gltf);
 

@@ -3,6 +3,7 @@
 #include "core/result.h"
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_buffer.h"
+#include "scene/gltf/gltf_draco.h"
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/gltf/gltf_node.h"
@@ -136,6 +137,8 @@ static olx_result read_file(gltf_import *import, const char *path, const olx_aff
   OLX_TRY(olx_gltf_open(path, scene, gltf));
   OLX_TRY(olx_gltf_open_buffers(gltf));
   OLX_TRY(olx_gltf_check_images(gltf));
+  OLX_TRY(olx_gltf_make_accessors(gltf));
+  olx_gltf_mark_draco(gltf);
   OLX_TRY(olx_gltf_open_accessors(gltf));
   OLX_TRY(olx_gltf_check_meshes(gltf));
   OLX_TRY(olx_gltf_find_roots(gltf, &import->roots));

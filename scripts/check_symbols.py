@@ -2,8 +2,8 @@
 """Check what the libraries ask for and what they show.
 
 The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
-Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links. No library can
-end its host by an assertion, unless --debug says that this is a debug build.
+Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links; weak ones, of
+C++ templates, clash with nothing. No library can end its host by an assertion, unless --debug says that this is a debug build.
 
 The shared baker, beside static libraries, exports the functions of all public headers and nothing else.
 
@@ -25,9 +25,10 @@ def output(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def defined(library, *options):
+def defined(library, *options, weak=True):
     lines = output("nm", "--defined-only", "--extern-only", "--format=posix", *options, library).splitlines()
-    return {line.split()[0] for line in lines if len(line.split()) >= 2}
+    words = [line.split() for line in lines]
+    return {word[0] for word in words if len(word) >= 2 and (weak or word[1] not in "WVu")}
 
 
 def declared(include, more):
@@ -60,7 +61,7 @@ def main():
         faults += [f"exported by {stem}, but in no public header: {name}" for name in sorted(exported - public)]
         faults += [f"in a public header, but not exported by {stem}: {name}" for name in sorted(public - exported)]
     for library in (runtime, bake):
-        foreign = sorted(name for name in defined(library) if not name.startswith("olx_") and not name.endswith(":"))
+        foreign = sorted(name for name in defined(library, weak=False) if not name.startswith("olx_") and not name.endswith(":"))
         faults += [f"{pathlib.Path(library).name} defines {name}" for name in foreign]
         if not debug and re.search(r"\b__assert", output("nm", "--undefined-only", "--format=posix", library)):
             faults.append(f"{pathlib.Path(library).name} asserts, but this is no debug build")

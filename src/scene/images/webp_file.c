@@ -1,5 +1,5 @@
-// Reads WebP images with libwebp, which is safe on hostile files: both of its formats, with and without alpha; of an
-// animation, nothing.
+// Reads WebP images with libwebp, which is safe on hostile files: lossy and lossless ones, with and without alpha.
+// Animations are refused.
 #include "scene/images/webp_file.h"
 
 #include "core/hooks.h"

@@ -3,7 +3,8 @@
 
 The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
 Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links; weak ones, of
-C++ templates, clash with nothing. No library can end its host by an assertion, unless --debug says that this is a debug build.
+C++ templates, clash with nothing. No library can end its host by an assertion, unless --debug says that this is a debug
+build.
 
 The shared baker, beside static libraries, exports the functions of all public headers and nothing else.
 

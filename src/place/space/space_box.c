@@ -8,16 +8,15 @@
 
 #define LARGEST_REACH 0.125f // of the diagonal: how far space beyond the scene matters
 #define LEAST_ROOM 0.0625f   // of the diagonal: outer surfaces have less room in front of them, within the bounds
-#define LEAST_OUTER 0.01f    // share of a camera's looks that see them, for space beyond to matter
-enum { SIDES = 6 };          // of a box: side 2 * axis is the lower one
+#define LEAST_OUTER 0.01f // least share of a camera's looks that end at outer surfaces where space beyond them matters
+enum { SIDES = 6 };       // of a box: side 2 * axis is the lower one
 
 olx_vec3 olx_look_direction(const olx_camera *camera, uint32_t i) {
-  const uint32_t along = 48;
   const olx_vec3 forward = olx_normalize(olx_sub(camera->target, camera->eye));
   const olx_vec3 right = olx_normalize(olx_cross(forward, camera->up)), up = olx_cross(right, forward);
   const float half = tanf(0.5f * camera->fov_y_degrees * OLX_PI / 180.0f);
-  const float x = ((float)(i % along) + 0.5f) * (2.0f / (float)along) - 1.0f;
-  const float y = ((float)(i / along) + 0.5f) * (2.0f / (float)along) - 1.0f;
+  const float x = ((float)(i % OLX_LOOKS_ALONG) + 0.5f) * (2.0f / OLX_LOOKS_ALONG) - 1.0f;
+  const float y = ((float)(i / OLX_LOOKS_ALONG) + 0.5f) * (2.0f / OLX_LOOKS_ALONG) - 1.0f;
   return olx_normalize(olx_madd(olx_madd(forward, right, x * half), up, y * half));
 }
 

@@ -4,7 +4,8 @@
 
 #include "scene/scene_data.h"
 
-#define OLX_LOOKS (48u * 48u) // directions in which a camera outside the box looks
+#define OLX_LOOKS_ALONG 48u                           // looks along the height and the width of a camera's image
+#define OLX_LOOKS (OLX_LOOKS_ALONG * OLX_LOOKS_ALONG) // directions in which a camera outside the box looks
 
 // Returns the unit direction of look `i` of OLX_LOOKS, which are spread evenly over a square image.
 olx_vec3 olx_look_direction(const olx_camera *camera, uint32_t i);

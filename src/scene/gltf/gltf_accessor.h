@@ -24,8 +24,8 @@ typedef struct olx_gltf_sparse {
 struct olx_gltf_accessor {
   uint32_t view;            // OLX_GLTF_NONE: all elements are compressed, or 0 unless replaced
   bool compressed;          // each primitive has elements of its own in its Draco stream
-  uint8_t *decoded;         // those of one primitive, packed
-  const cJSON *decoded_for; // that primitive
+  uint8_t *decoded;         // packed elements of the primitive that was decoded last
+  const cJSON *decoded_for; // the primitive that was decoded last
   olx_gltf_component type;
   uint32_t components; // components of an element
   bool normalized;     // integers represent 0 to 1, or -1 to 1

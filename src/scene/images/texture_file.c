@@ -18,7 +18,7 @@
 
 enum {
   LONGEST_SIDE = 16384,
-  FEW_TEXELS = 1 << 22 // of one colour they take some tens of bytes as WebP
+  FEW_TEXELS = 1 << 22 // an image of one colour and so many texels takes some tens of bytes as WebP
 };
 
 static void *resize_memory(void *memory, size_t old_bytes, size_t new_bytes) {

@@ -400,6 +400,91 @@ static void nodes_may_be_nested_but_not_without_end(void **state) {
   }
 }
 
+// ---- EXT_mesh_gpu_instancing
+
+#define PLACED                                                                                                         \
+  "[{\"mesh\": 0, \"translation\": [0, 0, 5], \"extensions\": {\"EXT_mesh_gpu_instancing\": {\"attributes\": {%s}}}}]"
+
+static const char *write_placed_square(gltf_maker *m, void *state, const char *attributes) {
+  char nodes[400];
+  snprintf(nodes, sizeof nodes, PLACED, attributes);
+  return write_square_model(m, state, square_with(""), nodes,
+                            ", \"materials\": [{}], \"extensionsRequired\": [\"EXT_mesh_gpu_instancing\"]");
+}
+
+static void a_node_puts_its_mesh_in_many_places(void **state) {
+  const float translations[9] = {0, 0, 0, 10, 0, 0, 0, 20, 0}, scales[9] = {1, 1, 1, 2, 3, 1, 1, 1, -1};
+  const int8_t rotations[12] = {0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 127, 0}; // the last one turns by half about z
+  gltf_maker m = {0};
+  add_square(&m);
+  const uint32_t first = gltf_add(&m, translations, sizeof translations, 3, GLTF_FLOAT, "VEC3", false);
+  gltf_add(&m, rotations, sizeof rotations, 3, GLTF_INT8, "VEC4", true);
+  gltf_add(&m, scales, sizeof scales, 3, GLTF_FLOAT, "VEC3", false);
+  char attributes[160];
+  snprintf(attributes, sizeof attributes, "\"TRANSLATION\": %u, \"ROTATION\": %u, \"SCALE\": %u, \"_ID\": 99", first,
+           first + 1, first + 2);
+  olx_scene *scene = load_model(write_placed_square(&m, *state, attributes));
+  assert_int_equal(scene->triangle_count, 6);
+  for (uint32_t v = 0; v < 4; ++v) {
+    const float x = square_positions[3 * v], y = square_positions[3 * v + 1];
+    assert_near_vector(scene->positions[v], x, y, 5, 1e-6f);
+    assert_near_vector(scene->positions[4 + v], 10 + 2 * x, 3 * y, 5, 1e-5f);
+    assert_near_vector(scene->positions[8 + v], -x, 20 - y, 5, 1e-5f);
+  }
+  assert_near_vector(scene->normals[0], 0, 0, 1, 1e-6f);
+  assert_near_vector(scene->normals[8], 0, 0, -1, 1e-6f); // mirrored
+  olx_scene_free(scene);
+}
+
+static void instances_may_lack_attributes(void **state) {
+  const float translations[6] = {1, 0, 0, 2, 0, 0};
+  gltf_maker m = {0};
+  add_square(&m);
+  char attributes[40];
+  snprintf(attributes, sizeof attributes, "\"TRANSLATION\": %u",
+           gltf_add(&m, translations, sizeof translations, 2, GLTF_FLOAT, "VEC3", false));
+  olx_scene *scene = load_model(write_placed_square(&m, *state, attributes));
+  assert_int_equal(scene->triangle_count, 4);
+  assert_near_vector(scene->positions[4], 2.0f + square_positions[0], square_positions[1], 5, 1e-6f);
+  olx_scene_free(scene);
+  scene = load_model(write_placed_square(&m, *state, ""));
+  assert_int_equal(scene->triangle_count, 2);
+  olx_scene_free(scene);
+}
+
+static void instances_that_do_not_fit_are_refused(void **state) {
+  const float numbers[9] = {0};
+  gltf_maker m = {0};
+  char text[80];
+  add_square(&m);
+  const uint32_t three = gltf_add(&m, numbers, sizeof numbers, 3, GLTF_FLOAT, "VEC3", false);
+  const uint32_t two = gltf_add(&m, numbers, 24, 2, GLTF_FLOAT, "VEC3", false);
+  assert_model_refused(write_placed_square(&m, *state, "\"SCALE\": 77"), OLX_ERROR_FORMAT,
+                       "nodes[0]: an attribute of its instances does not exist");
+  snprintf(text, sizeof text, "\"ROTATION\": %u", three);
+  assert_model_refused(write_placed_square(&m, *state, text), OLX_ERROR_FORMAT,
+                       "nodes[0]: an attribute of its instances is of another type");
+  snprintf(text, sizeof text, "\"TRANSLATION\": %u, \"SCALE\": %u", three, two);
+  assert_model_refused(write_placed_square(&m, *state, text), OLX_ERROR_FORMAT,
+                       "nodes[0]: the attributes of its instances differ in their count");
+}
+
+// Small files may ask for many copies, so the limit on nodes bounds them before memory is allocated.
+static void instances_count_as_nodes(void **state) {
+  const float translations[9] = {0};
+  const olx_scene_load_settings few = {.limits = {.nodes = 2}};
+  gltf_maker m = {0};
+  char attributes[40];
+  olx_scene *scene = NULL;
+  add_square(&m);
+  snprintf(attributes, sizeof attributes, "\"TRANSLATION\": %u",
+           gltf_add(&m, translations, sizeof translations, 3, GLTF_FLOAT, "VEC3", false));
+  const char *path = write_placed_square(&m, *state, attributes);
+  assert_int_equal(olx_scene_load_with(path, &few, &scene), OLX_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(olx_last_error(), "3 nodes in a model, more than the limit of 2"));
+  olx_scene_free(load_model(path));
+}
+
 static void skins_and_morphs_are_warned_about(void **state) {
   gltf_maker m = {0};
   add_square(&m);
@@ -442,8 +527,7 @@ static void buffers_lie_in_files_beside_the_model(void **state) {
 }
 
 static void extensions_that_a_file_needs_are_refused_by_name(void **state) {
-  static const char *const names[] = {"KHR_texture_basisu", "EXT_texture_avif", "EXT_mesh_gpu_instancing",
-                                      "ABC_unheard_of"};
+  static const char *const names[] = {"KHR_texture_basisu", "EXT_texture_avif", "EXT_lights_ies", "ABC_unheard_of"};
   static const char *const remedies[] = {"export the model again with textures in PNG, JPEG or WebP",
                                          "export the model again with textures in PNG, JPEG or WebP", "EXT", "ABC"};
   for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
@@ -609,6 +693,10 @@ int main(void) {
       WITH_FOLDER(damaged_webp_is_left_out_with_a_warning),
       WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),
       WITH_FOLDER(nodes_may_be_nested_but_not_without_end),
+      WITH_FOLDER(a_node_puts_its_mesh_in_many_places),
+      WITH_FOLDER(instances_may_lack_attributes),
+      WITH_FOLDER(instances_that_do_not_fit_are_refused),
+      WITH_FOLDER(instances_count_as_nodes),
       WITH_FOLDER(skins_and_morphs_are_warned_about),
       WITH_FOLDER(buffers_lie_in_files_beside_the_model),
       WITH_FOLDER(extensions_that_a_file_needs_are_refused_by_name),

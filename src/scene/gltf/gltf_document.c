@@ -63,7 +63,8 @@ static olx_result parse_json(olx_gltf *gltf) {
 
 // ---- Version and extensions
 
-static const char *const supported_extensions[] = {"EXT_meshopt_compression",
+static const char *const supported_extensions[] = {"EXT_mesh_gpu_instancing",
+                                                   "EXT_meshopt_compression",
                                                    "EXT_texture_webp",
                                                    "KHR_draco_mesh_compression",
                                                    "KHR_lights_punctual",

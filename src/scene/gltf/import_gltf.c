@@ -4,6 +4,7 @@
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_buffer.h"
 #include "scene/gltf/gltf_draco.h"
+#include "scene/gltf/gltf_instances.h"
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/gltf/gltf_node.h"
@@ -35,7 +36,7 @@ static olx_result check_triangles(const olx_gltf *gltf, const char *list, uint32
   return olx_import_check_limit(gltf->scene, OLX_LIMIT_TRIANGLES, triangles, gltf->path, name);
 }
 
-// Counts the triangles of all instances: a mesh is imported once for every node that refers to it.
+// Counts the triangles of all instances: a mesh is imported once for every place in which a node puts it.
 static olx_result check_instances(const olx_gltf *gltf, uint64_t *triangles) {
   uint64_t all = gltf->scene->triangle_count;
   for (uint32_t i = 0; i < gltf->meshes.count; ++i) {
@@ -46,7 +47,7 @@ static olx_result check_instances(const olx_gltf *gltf, uint64_t *triangles) {
   all = gltf->scene->triangle_count;
   for (uint32_t i = 0; i < gltf->nodes.count; ++i) {
     if (mesh_of(gltf, i) == OLX_GLTF_NONE) continue;
-    all += triangles[mesh_of(gltf, i)];
+    all += triangles[mesh_of(gltf, i)] * olx_gltf_instance_count(gltf, i);
     OLX_TRY(check_triangles(gltf, "nodes", i, all));
   }
   return OLX_OK;
@@ -60,9 +61,19 @@ static uint64_t count_primitives(const olx_gltf *gltf) {
   return count;
 }
 
+// Counts the nodes, and the instances as nodes of their own.
+static uint64_t count_nodes(const olx_gltf *gltf) {
+  uint64_t count = 0;
+  for (uint32_t i = 0; i < gltf->nodes.count; ++i) {
+    const uint32_t instances = olx_gltf_instance_count(gltf, i);
+    count += instances > 1 ? instances : 1;
+  }
+  return count;
+}
+
 static olx_result check_amounts(const olx_gltf *gltf) {
   const uint64_t materials = (uint64_t)gltf->scene->material_count + gltf->materials.count;
-  const uint64_t nodes = gltf->nodes.count;
+  const uint64_t nodes = count_nodes(gltf);
   OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_MATERIALS, materials, gltf->path, "materials"));
   OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_NODES, nodes, gltf->path, "nodes"));
   OLX_TRY(olx_import_check_limit(gltf->scene, OLX_LIMIT_NODES, nodes + count_primitives(gltf), gltf->path,
@@ -93,12 +104,27 @@ static olx_result mark_used(void *user, uint32_t node, const olx_affine *transfo
   return OLX_OK;
 }
 
+// Adds the mesh of a node in all of its places.
+static olx_result add_instances(gltf_import *import, uint32_t node, uint32_t mesh, const olx_affine *transform) {
+  const olx_gltf *gltf = import->gltf;
+  const uint32_t count = olx_gltf_instance_count(gltf, node);
+  olx_affine *places = olx_allocate(count, sizeof *places);
+  olx_result result = places ? olx_gltf_read_instances(gltf, node, places)
+                             : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %u instances", gltf->path, count);
+  for (uint32_t i = 0; result == OLX_OK && i < count; ++i) {
+    const olx_affine place = olx_affine_multiply(transform, &places[i]);
+    result = olx_gltf_add_mesh(gltf, mesh, import->surfaces, &place, &import->notes);
+  }
+  olx_release(places);
+  return result;
+}
+
 static olx_result add_node(void *user, uint32_t node, const olx_affine *transform) {
   gltf_import *import = user;
   const uint32_t mesh = mesh_of(import->gltf, node);
   if (mesh != OLX_GLTF_NONE) {
     import->skinned += olx_json_member(import->gltf->nodes.elements[node], "skin") != NULL;
-    OLX_TRY(olx_gltf_add_mesh(import->gltf, mesh, import->surfaces, transform, &import->notes));
+    OLX_TRY(add_instances(import, node, mesh, transform));
   }
   OLX_TRY(olx_gltf_add_camera(import->gltf, node, transform));
   olx_gltf_add_light(import->gltf, node, transform);
@@ -141,6 +167,7 @@ static olx_result read_file(gltf_import *import, const char *path, const olx_aff
   olx_gltf_mark_draco(gltf);
   OLX_TRY(olx_gltf_open_accessors(gltf));
   OLX_TRY(olx_gltf_check_meshes(gltf));
+  OLX_TRY(olx_gltf_check_instances(gltf));
   OLX_TRY(olx_gltf_find_roots(gltf, &import->roots));
   OLX_TRY(check_amounts(gltf));
   return add_scene(import, placement);

@@ -130,7 +130,7 @@ static void make_packed(gltf_maker *m) {
 static const char packed_primitives[] = "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1}, \"indices\": 2}, "
                                         "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3}";
 
-// Makes a square that Draco compressed, and an image in WebP.
+// Makes a square that Draco compressed and that stands in two places, and an image in WebP.
 static void make_squeezed(gltf_maker *m) {
   const float up[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, uvs[8] = {0, 1, 1, 1, 1, 0, 0, 0};
   const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
@@ -147,8 +147,12 @@ static void make_squeezed(gltf_maker *m) {
   gltf_add_accessor(m, "", 4, GLTF_FLOAT, "VEC3");
   gltf_add_accessor(m, "", 4, GLTF_FLOAT, "VEC2");
   gltf_add_accessor(m, "", 6, GLTF_UINT16, "SCALAR");
+  const float places[6] = {0, 0, 0, 0, 0, 1};
+  gltf_add(m, places, sizeof places, 2, GLTF_FLOAT, "VEC3", false);
 }
 
+static const char squeezed_nodes[] =
+    "[{\"mesh\": 0, \"extensions\": {\"EXT_mesh_gpu_instancing\": {\"attributes\": {\"TRANSLATION\": 4}}}}]";
 static const char squeezed_primitives[] =
     "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}, \"indices\": 3, \"material\": 0, "
     "\"extensions\": {\"KHR_draco_mesh_compression\": {\"bufferView\": 0, \"attributes\": {\"POSITION\": 0, "
@@ -189,7 +193,7 @@ void scene_seeds_make(seed_file seeds[SEED_COUNT]) {
   make_gltf_seeds(&rich, rich_primitives, rich_nodes, rich_more, (const char *const[]){"rich.gltf", "rich.glb"},
                   seeds + 7);
   make_squeezed(&squeezed);
-  make_gltf_seeds(&squeezed, squeezed_primitives, "[{\"mesh\": 0}]", squeezed_more,
+  make_gltf_seeds(&squeezed, squeezed_primitives, squeezed_nodes, squeezed_more,
                   (const char *const[]){"squeezed.gltf", "squeezed.glb"}, seeds + 11);
   make_packed(&packed);
   make_gltf_seeds(&packed, packed_primitives, "[{\"mesh\": 0}]", "", (const char *const[]){"packed.gltf", "packed.glb"},

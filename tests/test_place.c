@@ -4,6 +4,7 @@
 #include "made_scenes.h"
 #include "place/cover/measure.h"
 #include "place/cover/surfels.h"
+#include "place/space/space_box.h"
 #include "place/space/space_find.h"
 #include "place_fixtures.h"
 #include "scene/builtin/builtin_shapes.h"
@@ -620,6 +621,52 @@ static void what_lies_uppermost_is_seen_from_above(void **state) {
   }
 }
 
+// Returns how far the box of interest of a block of 4 x 3 x 4 m reaches beyond it in +z, for a camera, or for none.
+static float reach_in_front(const olx_camera *camera) {
+  olx_scene *scene = made_scene();
+  made_box(scene, olx_v3(-2, 0, -2), olx_v3(2, 3, 2), true, matte(scene));
+  if (camera) ASSERT_OK(olx_scene_add_camera(scene, camera));
+  made_finish(scene);
+  olx_box box;
+  ASSERT_OK(olx_space_box(scene, &box));
+  const olx_vec3 low = olx_sub(scene->bounds_min, box.min), high = olx_sub(box.max, scene->bounds_max);
+  assert_true(olx_max3(low) == 0.0f && olx_max(high.x, high.y) == 0.0f); // all cameras stand in front of it
+  const float reach = high.z;
+  olx_scene_free(scene);
+  return reach;
+}
+
+// A house without ground, and a camera in the street: no place within its bounds sees the front, so space in front
+// matters, as far as the camera, and at most to an eighth of the diagonal.
+static void the_front_of_a_house_is_seen_from_the_street(void **state) {
+  (void)state;
+  const olx_vec3 front = {0, 1.5f, 2};
+  const olx_camera near = tiny_camera(olx_v3(0.5f, 1.5f, 2.5f), front, 60.0f);
+  const olx_camera far = tiny_camera(olx_v3(3, 1.5f, 20), front, 60.0f);
+  const olx_camera away = tiny_camera(olx_v3(0, 1.5f, 20), olx_v3(0, 1.5f, 30), 60.0f);
+  assert_float_equal(reach_in_front(NULL), 0.0f, 0.0f);
+  assert_float_equal(reach_in_front(&near), 0.5f, 1e-6f);
+  assert_float_equal(reach_in_front(&far), 0.125f * sqrtf(16.0f + 9.0f + 16.0f), 1e-5f);
+  assert_float_equal(reach_in_front(&away), 0.0f, 0.0f);
+}
+
+// A camera outside that looks into a room through its open side sees no outer surfaces: space beyond the room, from
+// which no more could be seen, is left out.
+static void an_open_room_is_seen_from_within(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene);
+  made_quad(scene, olx_v3(0, 0, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), m);        // the floor
+  made_quad(scene, olx_v3(0, 3, 0), olx_v3(2, 0, 0), olx_v3(0, 0, 2), m);        // the ceiling
+  made_quad(scene, olx_v3(0, 1.5f, -2), olx_v3(2, 0, 0), olx_v3(0, 1.5f, 0), m); // the back wall
+  add_camera(scene, olx_v3(0, 1.5f, 6), olx_v3(0, 1.5f, 0));
+  made_finish(scene);
+  olx_box box;
+  ASSERT_OK(olx_space_box(scene, &box));
+  assert_float_equal(box.max.z, scene->bounds_max.z, 0.0f);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(distance_transform_is_exact),
@@ -637,6 +684,8 @@ int main(void) {
       cmocka_unit_test(marks_tell_what_is_missed),
       cmocka_unit_test(no_probe_leaves_through_a_window),
       cmocka_unit_test(what_lies_uppermost_is_seen_from_above),
+      cmocka_unit_test(the_front_of_a_house_is_seen_from_the_street),
+      cmocka_unit_test(an_open_room_is_seen_from_within),
       cmocka_unit_test(a_second_view_needs_more_probes),
       cmocka_unit_test(a_budget_says_how_many),
       cmocka_unit_test(a_budget_for_no_probe_is_refused),

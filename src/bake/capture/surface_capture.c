@@ -210,7 +210,7 @@ uint64_t olx_surface_capture_units(const olx_surface_capture *c) { return olx_ca
 static olx_result find_irradiance(const olx_surface_capture *c, bool buried) {
   const size_t texels = (size_t)c->capture->size * c->capture->size;
   if (!c->light) return OLX_OK;
-  if (!buried) return olx_texel_light(c->capture, c->light, c->rows, c->irradiance);
+  if (!buried) return olx_light_texels(c->capture, c->light, c->rows, c->irradiance);
   memset(c->irradiance, 0, texels * sizeof *c->irradiance);
   return OLX_OK;
 }

@@ -14,9 +14,9 @@ enum {
   SHARED_SHARE = 64, // texels share gathered light over this part of a map's side, or less
   ROOM_RAYS = 32
 };
-// Texels share gathered light over this part of the harmonic mean distance to what its place sees, or less: light
+// Texels share gathered light over this part of the harmonic mean distance to what either of them sees, or less: light
 // changes over a distance in proportion to that (Ward et al. 1988).
-static const float SHARED_ROOM = 0.35f;
+static const float SHARED_ROOM = 0.2f;
 
 typedef struct texel_light {
   const olx_capture *capture;
@@ -47,7 +47,8 @@ static void interpolate(const texel_light *t, uint32_t block, const olx_surface 
   }
 }
 
-// Texels of a block whose light was gathered, and how far from each it is shared, in metres; 0 until that is asked.
+// Texels of a block whose light was gathered, and how far from each texel of the block light may be shared, in metres;
+// 0 until that is asked.
 typedef struct gathered_texels {
   uint32_t count;
   uint8_t texels[OLX_BLOCK_TEXELS];
@@ -78,14 +79,21 @@ static uint32_t texels_apart(uint32_t a, uint32_t b) {
   return columns > rows ? columns : rows;
 }
 
-// Returns whether the light of gathered texel `i` reaches as far as to another, by the square of their distance.
-static bool reaches(const texel_light *t, gathered_texels *g, const olx_block_surfaces *s, uint32_t i, float squared) {
-  if (!(g->reach[i] > 0.0f)) g->reach[i] = reach_of(t, &s->surface[g->texels[i]]);
-  return squared <= olx_square(g->reach[i]);
+// Returns how far from a texel light may be shared.
+static float reach_at(const texel_light *t, gathered_texels *g, const olx_block_surfaces *s, uint32_t texel) {
+  if (!(g->reach[texel] > 0.0f)) g->reach[texel] = reach_of(t, &s->surface[texel]);
+  return g->reach[texel];
+}
+
+// Returns whether two texels are within reach of each other, by the square of their distance: at the mouth of a gap
+// light reaches farther outside than inside.
+static bool reach(const texel_light *t, gathered_texels *g, const olx_block_surfaces *s, uint32_t a, uint32_t b,
+                  float squared) {
+  return squared <= olx_square(reach_at(t, g, s, a)) && squared <= olx_square(reach_at(t, g, s, b));
 }
 
 // Returns the gathered texel nearest to another of the block, less than `shared` texels from it, among those that lie
-// on its surface and whose light reaches it; NOT_FOUND when there is none.
+// on its surface and within reach; NOT_FOUND when there is none.
 static uint32_t find_gathered(const texel_light *t, uint32_t block, gathered_texels *g, const olx_block_surfaces *s,
                               uint32_t texel) {
   const uint32_t shared = t->capture->size / SHARED_SHARE;
@@ -96,7 +104,7 @@ static uint32_t find_gathered(const texel_light *t, uint32_t block, gathered_tex
     if (!olx_block_shares(t->capture, block, s, texel, g->texels[i])) continue;
     const olx_vec3 way = olx_sub(s->surface[g->texels[i]].position, s->surface[texel].position);
     const float squared = olx_dot(way, way);
-    if (squared >= least || !reaches(t, g, s, i, squared)) continue;
+    if (squared >= least || !reach(t, g, s, g->texels[i], texel, squared)) continue;
     least = squared;
     found = g->texels[i];
   }
@@ -136,7 +144,7 @@ static void light_row(void *user, uint32_t row) {
   for (uint32_t x = 0; x < blocks; x++) light_block(t, row * blocks + x);
 }
 
-olx_result olx_texel_light(const olx_capture *capture, const olx_scene_light *light, olx_gather_row *rows,
+olx_result olx_light_texels(const olx_capture *capture, const olx_scene_light *light, olx_gather_row *rows,
                            olx_vec3 *irradiance) {
   texel_light t = {.capture = capture, .light = light, .irradiance = irradiance, .rows = rows};
   return olx_bake_for(capture->context, capture->size / OLX_BLOCK_SIDE, light_row, &t, 0);

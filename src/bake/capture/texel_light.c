@@ -145,7 +145,7 @@ static void light_row(void *user, uint32_t row) {
 }
 
 olx_result olx_light_texels(const olx_capture *capture, const olx_scene_light *light, olx_gather_row *rows,
-                           olx_vec3 *irradiance) {
+                            olx_vec3 *irradiance) {
   texel_light t = {.capture = capture, .light = light, .irradiance = irradiance, .rows = rows};
   return olx_bake_for(capture->context, capture->size / OLX_BLOCK_SIDE, light_row, &t, 0);
 }

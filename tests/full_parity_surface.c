@@ -186,8 +186,11 @@ SURFACE_ROW(irradiance_both, const olx_irradiance_weights w = olx_irradiance_wei
         s->settings.keep_buried, s->point, s->direction, s->view);
     put_3(r, weighted_irradiance(&s->source, &w, s->direction));
     put_3(r, weighted_irradiance(&s->source, &w, s->view));)
-SURFACE_ROW(factor, put_f(r, factor(s->random[0], s->random[1])); put_f(r, factor(0.0f, s->random[0]));
-    put_f(r, factor(0.0f, 0.0f));)
+SURFACE_ROW(change, put_f(r, change(s->random[0], s->random[1])); put_f(r, change(0.0f, s->random[0]));
+    put_f(r, change(0.0f, 0.0f));)
+SURFACE_ROW(bend, const olx_vec3 d = s->direction; const float *v = s->random;
+    put_3(r, bend(olx_v3(fabsf(d.x), fabsf(d.y), fabsf(d.z)),
+                  (const olx_vec3[2]){{v[0], v[1], v[2]}, {v[1], v[2], v[3]}}, v[3]));)
 SURFACE_ROW(has_volume, put_u(r, s->field->volume.header != NULL);)
 SURFACE_ROW(volume_word, put_u(r, volume_word(s, s->bits[0] % 400u));)
 SURFACE_ROW(fallen_back, const fallen f = fall_back(s); put_3(r, f.from); put_3(r, f.to);)
@@ -233,7 +236,8 @@ static const parity_row ROWS[] = {
     PARITY(gather, 1e-3f, 1e-3),
     PARITY(map_irradiance_both, 1e-4f, 1e-3),
     PARITY(irradiance_both, 1e-4f, 1e-3),
-    PARITY(factor, 1e-5f, 0),
+    PARITY(change, 1e-5f, 0),
+    PARITY(bend, 1e-5f, 0),
     PARITY(has_volume, 0, 0),
     PARITY(volume_word, 0, 0),
     PARITY(fallen_back, 1e-4f, 1e-3),

@@ -94,9 +94,10 @@ void surface_rows() {
   } break;
   case ROW_olx_map_irradiance_both: put(olx_map_irradiance_both(irradiance_probe, random)); break;
   case ROW_olx_irradiance_both: put(olx_irradiance_both(settings, point, direction, view, view)); break;
-  case ROW_olx_factor:
-    put(olx_factor(random.x, random.y)), put(olx_factor(0.0, random.x)), put(olx_factor(0.0, 0.0));
+  case ROW_olx_change:
+    put(olx_change(random.x, random.y)), put(olx_change(0.0, random.x)), put(olx_change(0.0, 0.0));
     break;
+  case ROW_olx_bend: put(olx_bend(abs(direction), mat2x3(random.xyz, random.yzw), random.w)); break;
   case ROW_olx_has_volume: put(olx_has_volume()); break;
   case ROW_olx_volume_word: put(olx_has_volume() ? olx_volume_word(bits.x % 400u) : 0u); break;
   case ROW_olx_fallen_back: {

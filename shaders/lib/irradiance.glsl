@@ -134,7 +134,4 @@ vec3 olx_irradiance(olx_sample_settings settings, vec3 position, vec3 normal, ve
   return olx_irradiance_both(settings, position, normal, normal, view)[0];
 }
 
-// Returns the factor by which a channel changes: 0 / 0 is 1, and light from darkness an infinite factor.
-float olx_factor(float from, float to) { return from > 0.0 ? to / from : to > 0.0 ? OLX_INFINITY : 1.0; }
-
 #endif

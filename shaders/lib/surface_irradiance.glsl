@@ -292,8 +292,23 @@ olx_surface_light olx_stored_light(olx_sample_settings settings, uint sources, v
   return light;
 }
 
+float olx_change(float from, float to) {
+  return from > 0.0 ? min(to / from, OLX_MOST_CHANGE) : to > 0.0 ? OLX_MOST_CHANGE : 1.0;
+}
+
+// Returns a surface's light after a normal map has bent its normal by an angle with this cosine, where `around` is the
+// light of other sources for both normals: it changes as theirs does, as far as that is as bright as the surface's own,
+// and else as light does that is even over the hemisphere.
+vec3 olx_bend(vec3 light, mat2x3 around, float cosine) {
+  float own = olx_luminance(light), other = olx_luminance(around[0]), brighter = max(own, other);
+  float alike = brighter > 0.0 ? min(own, other) / brighter : 0.0, even = 0.5 + 0.5 * clamp(cosine, -1.0, 1.0);
+  vec3 change = vec3(olx_change(around[0].x, around[1].x), olx_change(around[0].y, around[1].y),
+                     olx_change(around[0].z, around[1].z));
+  return light * (even + (change - even) * alike);
+}
+
 // Completes the result of olx_stored_light: where nothing is stored, light comes from the other sources; where a normal
-// map bends the normal, stored light changes as theirs does.
+// map bends the normal, stored light changes with it.
 olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources, olx_surface_light light, bool stored,
                                      vec3 position, vec3 geometric_normal, vec3 vertex_normal, vec3 shading_normal,
                                      vec3 view) {
@@ -303,8 +318,7 @@ olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources,
   if (finite && (!stored || olx_dot(bent, bent) > 1e-6)) {
     vec3 from = stored ? vertex_normal : shading_normal;
     mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
-    vec3 change = vec3(olx_factor(e[0].x, e[1].x), olx_factor(e[0].y, e[1].y), olx_factor(e[0].z, e[1].z));
-    light.irradiance = stored ? light.irradiance * min(change, vec3(OLX_MOST_CHANGE)) : e[1];
+    light.irradiance = stored ? olx_bend(light.irradiance, e, olx_dot(vertex_normal, shading_normal)) : e[1];
   }
   if (!finite) light = olx_surface_light(vec3(0.0), 0u); // WebGL has no ?: of structures
   return light;

@@ -182,18 +182,11 @@ static uint32_t terms_of(const olx_sample_settings *settings) {
   return settings->visibility == OLX_VISIBILITY_NONE ? OLX_WEIGHT_TRILINEAR : OLX_WEIGHT_ALL;
 }
 
-static float factor(float from, float to) { return from > 0.0f ? to / from : to > 0.0f ? INFINITY : 1.0f; }
-
-olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after) {
-  return olx_v3(factor(before.x, after.x), factor(before.y, after.y), factor(before.z, after.z));
-}
-
-olx_vec3 olx_irradiance_change(const olx_irradiance_source *s, const olx_sample_settings *settings, olx_vec3 position,
-                               olx_vec3 from, olx_vec3 to, olx_vec3 view) {
+void olx_irradiance_both(const olx_irradiance_source *s, const olx_sample_settings *settings, olx_vec3 position,
+                         const olx_vec3 normals[2], olx_vec3 view, olx_vec3 irradiance[2]) {
   const olx_irradiance_weights weights =
-      olx_irradiance_weigh(s, terms_of(settings), settings->keep_buried, position, from, view);
-  const olx_vec3 before = weighted_irradiance(s, &weights, from), after = weighted_irradiance(s, &weights, to);
-  return olx_light_change(before, after);
+      olx_irradiance_weigh(s, terms_of(settings), settings->keep_buried, position, normals[0], view);
+  for (uint32_t i = 0; i < 2; i++) irradiance[i] = weighted_irradiance(s, &weights, normals[i]);
 }
 
 olx_vec3 olx_irradiance_from(const olx_irradiance_source *source, const olx_sample_settings *settings,

@@ -16,7 +16,7 @@ typedef struct olx_irradiance_source {
   uint32_t irradiance_n, moments_n;
   const uint32_t *packed_irradiance, *packed_moments; // where NULL, the float maps below
   const olx_vec3 *irradiance;
-  const olx_vec2 *moments; // mean distance, mean squared distance
+  const olx_vec2 *moments;   // mean distance, mean squared distance
   const uint16_t *harmonics; // replace irradiance maps where `bands` is not 0; `harmonic_halves` a probe
   uint32_t bands, harmonic_halves;
 } olx_irradiance_source;
@@ -48,14 +48,9 @@ typedef struct olx_irradiance_weights {
 olx_irradiance_weights olx_irradiance_weigh(const olx_irradiance_source *source, uint32_t terms, bool keep_buried,
                                             olx_vec3 position, olx_vec3 normal, olx_vec3 view);
 
-// Returns the factor by which light changes in each channel. 0 / 0 is 1, and light from darkness an infinite factor.
-olx_vec3 olx_light_change(olx_vec3 before, olx_vec3 after);
-
-// Returns the factor by which irradiance changes in each channel when a surface's normal turns from one to the other.
-// The probes around the point keep the weights that they have for `from`. 0 / 0 is 1, and light from darkness an
-// infinite factor.
-olx_vec3 olx_irradiance_change(const olx_irradiance_source *source, const olx_sample_settings *settings,
-                               olx_vec3 position, olx_vec3 from, olx_vec3 to, olx_vec3 view);
+// Interpolates irradiance for two normals, both with the weights that the probes around the point have for the first.
+void olx_irradiance_both(const olx_irradiance_source *source, const olx_sample_settings *settings, olx_vec3 position,
+                         const olx_vec3 normals[2], olx_vec3 view, olx_vec3 irradiance[2]);
 
 // Interpolates irradiance as olx_irradiance does, with a choice of the terms that weigh probes.
 olx_vec3 olx_irradiance_terms(const olx_irradiance_source *source, uint32_t terms, bool keep_buried, olx_vec3 position,

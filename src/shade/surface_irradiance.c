@@ -261,18 +261,38 @@ static olx_vec3 fallen_back(const olx_field *field, const olx_sample_settings *s
   return olx_irradiance(field, settings, point->position, point->shading_normal, point->view);
 }
 
-// Returns the factor by which light changes where a normal map bends the normal.
-static olx_vec3 normal_map_change(const olx_field *field, const olx_sample_settings *settings,
-                                  const olx_surface_point *point) {
+// Finds the irradiance around a point for its vertex normal and its shading normal, where texels are not asked: from
+// the volume, which has none where it has no cell, or, in a field without a volume, from irradiance probes. For the
+// shading normal, the volume's light omits the share from below the surface.
+static void light_around(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                         olx_vec3 around[2]) {
   olx_volume_light_at volume;
+  around[0] = around[1] = olx_splat(0.0f);
   if (olx_volume_gather(field, point->position, point->geometric_normal, &volume)) {
-    return olx_light_change(olx_volume_towards(&volume, point->vertex_normal),
-                            olx_volume_bent(&volume, point->vertex_normal, point->shading_normal));
+    around[0] = olx_volume_towards(&volume, point->vertex_normal);
+    around[1] = olx_volume_bent(&volume, point->vertex_normal, point->shading_normal);
+  } else if (!olx_volume_answers(field)) {
+    const olx_irradiance_source source = olx_irradiance_source_of(field);
+    const olx_vec3 normals[2] = {point->vertex_normal, point->shading_normal};
+    olx_irradiance_both(&source, settings, point->position, normals, point->view, around);
   }
-  if (olx_volume_answers(field)) return olx_splat(1.0f);
-  const olx_irradiance_source source = olx_irradiance_source_of(field);
-  return olx_irradiance_change(&source, settings, point->position, point->vertex_normal, point->shading_normal,
-                               point->view);
+}
+
+static float change(float from, float to) {
+  return from > 0.0f ? olx_min(to / from, OLX_MOST_CHANGE) : to > 0.0f ? OLX_MOST_CHANGE : 1.0f;
+}
+
+// Returns a surface's light after a normal map has bent its normal by an angle with this cosine: changed as the light
+// around it changes, as far as that is as bright as the surface's own. Where it is not, it misses what lights the
+// surface, or sees what does not, and cannot tell where light comes from. Light then counts as even over the surface's
+// hemisphere, of which this share is in the cosine lobe about the bent normal.
+static olx_vec3 bend(olx_vec3 light, const olx_vec3 around[2], float cosine) {
+  const float own = olx_luminance(light), other = olx_luminance(around[0]), brighter = olx_max(own, other);
+  const float alike = brighter > 0.0f ? olx_min(own, other) / brighter : 0.0f,
+              even = 0.5f + 0.5f * olx_clamp(cosine, -1.0f, 1.0f);
+  return olx_v3(light.x * olx_mix(even, change(around[0].x, around[1].x), alike),
+                light.y * olx_mix(even, change(around[0].y, around[1].y), alike),
+                light.z * olx_mix(even, change(around[0].z, around[1].z), alike));
 }
 
 // Interpolates the light that texels store for the point; returns whether there is any.
@@ -287,15 +307,16 @@ static bool stored_light(const olx_field *field, const olx_sample_settings *sett
 }
 
 // Completes the result of stored_light: where nothing is stored, light comes from the volume; where a normal map bends
-// the normal, stored light changes as that of the volume does.
+// the normal, stored light changes with it.
 static void complete_light(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                            bool stored, olx_surface_light *light) {
   const olx_vec3 bent = olx_sub(point->shading_normal, point->vertex_normal);
   if (!stored) {
     light->irradiance = fallen_back(field, settings, point);
   } else if (olx_dot(bent, bent) > 1e-6f) {
-    const olx_vec3 change = normal_map_change(field, settings, point);
-    light->irradiance = olx_mul(light->irradiance, olx_min_each(change, olx_splat(OLX_MOST_CHANGE)));
+    olx_vec3 around[2];
+    light_around(field, settings, point, around);
+    light->irradiance = bend(light->irradiance, around, olx_dot(point->vertex_normal, point->shading_normal));
   }
 }
 

@@ -205,8 +205,10 @@ SURFACE_ROW(surface_light_from, olx_surface_light light = {.probes = 0}; blend b
     if (s->bits[2] & 1u) gather(s->field, &s->settings, &e->p, &b);
     if (b.count > 0) light = olx_surface_light_at(s->field, &s->settings, &e->p);
     const bool bent = (s->bits[3] & 0x10000u) != 0;
-    // Without a source, 0 / 0 must not change the result.
-    if (b.count > 0 && bent) light.irradiance = mix(&b, &(uint32_t){0});
+    // Without another source light is even over the hemisphere.
+    const olx_vec3 none[2] = {{0}};
+    if (b.count > 0 && bent) light.irradiance = bend(mix(&b, &(uint32_t){0}), none,
+                                                     olx_dot(e->p.vertex_normal, e->p.shading_normal));
     put_u(r, light.probes); put_3(r, light.irradiance);)
 SURFACE_ROW(volume_source, put_u(r, s->field->volume.header ? 2 : 4);)
 SURFACE_ROW(volume_irradiance, put_3(r, olx_volume_irradiance(s->field, s->point, s->direction));)

@@ -317,8 +317,9 @@ olx_surface_light olx_complete_light(olx_sample_settings settings, uint sources,
   vec3 bent = shading_normal - vertex_normal;
   if (finite && (!stored || olx_dot(bent, bent) > 1e-6)) {
     vec3 from = stored ? vertex_normal : shading_normal;
+    float cosine = olx_dot(vertex_normal, shading_normal);
     mat2x3 e = olx_fallen_back(settings, sources, position, geometric_normal, from, shading_normal, view);
-    light.irradiance = stored ? olx_bend(light.irradiance, e, olx_dot(vertex_normal, shading_normal)) : e[1];
+    light.irradiance = stored ? olx_bend(light.irradiance, e, cosine) : e[1];
   }
   if (!finite) light = olx_surface_light(vec3(0.0), 0u); // WebGL has no ?: of structures
   return light;

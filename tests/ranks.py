@@ -83,9 +83,10 @@ def check(folder, field, wanted):
 
 
 def bake_with_kills(ranks, command, seconds, kills, chance, field, wanted):
+    """Bakes, with kills within `seconds` of each start. Returns how many there were, and how long the last job took."""
     made, killed = set(), 0
     while True:
-        job = Job(ranks, command)
+        start, job = time.monotonic(), Job(ranks, command)
         if killed < kills:
             job.kill_a_rank(chance, chance.uniform(0.0, seconds))
         code, now, errors = job.end()
@@ -95,7 +96,7 @@ def bake_with_kills(ranks, command, seconds, kills, chance, field, wanted):
             sys.exit("made again: %s" % sorted(made & now))
         made |= now
         if code == 0:
-            return killed
+            return killed, time.monotonic() - start
         killed += 1
         if os.path.exists(field):
             if read(field) != wanted:
@@ -118,8 +119,9 @@ def main(folder, kills, seed, octalux, ranks, *options):
         check(folder, field, wanted)
         while left > 0:
             os.remove(field)
-            left -= bake_with_kills(count, command, seconds, left, chance, field, wanted)
-            bakes += 1
+            killed, last = bake_with_kills(count, command, seconds, left, chance, field, wanted)
+            seconds = min(seconds, max(last, 0.1)) if killed == 0 else seconds # it was begun on a busier machine
+            left, bakes = left - killed, bakes + 1
             check(folder, field, wanted)
         print("%d ranks: the same bytes, %d units; the same in %d bakes with %s kills" % (count, len(made), bakes, kills), flush=True)
 

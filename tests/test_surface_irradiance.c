@@ -471,6 +471,12 @@ static void normal_maps_change_light_as_they_change_that_of_the_volume(void **st
   assert_bent(f, olx_v3(0.5f, 2.0f, 3.0f), olx_splat(0.0f), olx_splat(0.0f));
   // Where the volume is dark it says nothing, and light is even over the hemisphere.
   assert_bent(f, olx_splat(0.0f), olx_v3(1.0f, 16.0f, 1.5f), olx_splat(even));
+  // In red a ratio above darkness takes the limit, and darkness that stays dark leaves light unchanged; the volume lacks
+  // the red of the floor, so its ratios count as far as its luminance reaches.
+  const float alike = (0.7152f * 2.0f + 0.0722f * 3.0f) / (0.2126f * 0.5f + 0.7152f * 2.0f + 0.0722f * 3.0f);
+  const float same = even + (1.0f - even) * alike, most = even + (4.0f - even) * alike;
+  assert_bent(f, olx_v3(0.0f, 2.0f, 3.0f), olx_v3(1.0f, 2.0f, 3.0f), olx_v3(most, same, same));
+  assert_bent(f, olx_v3(0.0f, 2.0f, 3.0f), olx_v3(0.0f, 2.0f, 3.0f), olx_splat(same));
   // Where it is half as bright, or twice, its ratio counts by half.
   assert_bent(f, olx_v3(0.25f, 1.0f, 1.5f), olx_v3(0.5f, 2.0f, 3.0f), olx_splat(0.5f * (2.0f + even)));
   assert_bent(f, olx_v3(1.0f, 4.0f, 6.0f), olx_v3(1.0f, 4.0f, 6.0f), olx_splat(0.5f * (1.0f + even)));

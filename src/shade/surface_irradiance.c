@@ -285,7 +285,7 @@ static float change(float from, float to) {
 // Returns a surface's light after a normal map has bent its normal by an angle with this cosine: changed as the light
 // around it changes, as far as that is as bright as the surface's own. Where it is not, it misses what lights the
 // surface, or sees what does not, and cannot tell where light comes from. Light then counts as even over the surface's
-// hemisphere, of which this share is in the cosine lobe about the bent normal.
+// hemisphere, of which the bent normal's cosine lobe keeps (1 + cosine) / 2.
 static olx_vec3 bend(olx_vec3 light, const olx_vec3 around[2], float cosine) {
   const float own = olx_luminance(light), other = olx_luminance(around[0]), brighter = olx_max(own, other);
   const float alike = brighter > 0.0f ? olx_min(own, other) / brighter : 0.0f,

@@ -34,8 +34,7 @@ static bool fits(const olx_gltf_accessor *a, uint32_t attribute) {
 }
 
 static olx_result check_node(const olx_gltf *gltf, uint32_t node) {
-  uint64_t count = 0;
-  uint32_t found = 0;
+  uint64_t count = 0; // of the first attribute; no accessor is empty, or has more elements than a uint32_t counts
   for (uint32_t i = 0; i < ATTRIBUTES; ++i) {
     uint32_t accessor;
     if (!olx_gltf_index(attributes_of(gltf, node), names[i], gltf->accessors.count, &accessor)) {
@@ -44,12 +43,12 @@ static olx_result check_node(const olx_gltf *gltf, uint32_t node) {
     if (accessor == OLX_GLTF_NONE) continue;
     const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
     if (!fits(a, i)) return olx_gltf_fail(gltf, "nodes", node, "an attribute of its instances is of another type");
-    if (found++ > 0 && a->count != count) {
+    if (count > 0 && a->count != count) {
       return olx_gltf_fail(gltf, "nodes", node, "the attributes of its instances differ in their count");
     }
     count = a->count;
   }
-  return count <= UINT32_MAX ? OLX_OK : olx_gltf_fail(gltf, "nodes", node, "it has too many instances");
+  return OLX_OK;
 }
 
 olx_result olx_gltf_check_instances(const olx_gltf *gltf) {

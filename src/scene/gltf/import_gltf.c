@@ -64,10 +64,7 @@ static uint64_t count_primitives(const olx_gltf *gltf) {
 // Counts the nodes, and the instances as nodes of their own.
 static uint64_t count_nodes(const olx_gltf *gltf) {
   uint64_t count = 0;
-  for (uint32_t i = 0; i < gltf->nodes.count; ++i) {
-    const uint32_t instances = olx_gltf_instance_count(gltf, i);
-    count += instances > 1 ? instances : 1;
-  }
+  for (uint32_t i = 0; i < gltf->nodes.count; ++i) count += olx_gltf_instance_count(gltf, i);
   return count;
 }
 

@@ -1,4 +1,4 @@
-// Bakes a cooked scene: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks]]. It is the
+// Bakes a cooked scene: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks [NOISE]]]. It is the
 // smallest program that bakes: it links Embree and Qhull, but none of the libraries that import scenes or write
 // pictures.
 #include <octalux/bake.h>
@@ -35,14 +35,15 @@ static olx_result bake(const olx_scene *scene, int argc, char **argv) {
     settings.irradiance_grid = olx_bake_irradiance_grid(&settings.grid);
   }
   if (argc > 6) settings.select_mask = parse_selectors(argv[6]);
+  if (argc > 7) settings.noise = strtof(argv[7], NULL);
   return olx_bake(scene, &settings, argv[2], NULL, NULL);
 }
 
 int main(int argc, char **argv) {
   uint32_t count[3];
-  if (argc < 5 || argc > 7 || (argc > 5 && sscanf(argv[5], "%ux%ux%u", &count[0], &count[1], &count[2]) != 3) ||
+  if (argc < 5 || argc > 8 || (argc > 5 && sscanf(argv[5], "%ux%ux%u", &count[0], &count[1], &count[2]) != 3) ||
       (argc > 6 && !parse_selectors(argv[6]))) {
-    fprintf(stderr, "usage: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks]]\n");
+    fprintf(stderr, "usage: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks [NOISE]]]\n");
     return 2;
   }
   olx_scene *scene;

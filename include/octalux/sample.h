@@ -118,12 +118,11 @@ void olx_irradiance_points(const olx_field *field, const olx_sample_settings *se
 //   one.
 // - `shading_normal`: unit. Light is stored for the normal interpolated over the triangle, so smooth surfaces without a
 //   normal map pass the geometric normal here too, and others the normal that the map makes of the geometric normal.
-//   Where the two differ, stored light is multiplied in each channel by a factor of at most 4: olx_volume_irradiance
-//   for the shading normal, without its share from below the surface, over that for the geometric normal; 0 / 0 is 1.
+//   Where the two differ, stored light changes in each channel as olx_volume_irradiance does, by a factor of at most 4,
+//   as far as that is as bright as the stored light; else by half of one plus the cosine between both normals.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
-// Numbers that are not finite give 0. Light is read from the probes of the point's brick (of its cage in a field
-// without bricks); where none of them sees the surface, or when settings->select is OLX_SELECT_EXHAUSTIVE, from the
-// best max_probes of all. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have an
+// Numbers that are not finite give 0. Light is read from the best max_probes of the point's brick, of its cage in a field
+// without bricks, or of all when settings->select is OLX_SELECT_EXHAUSTIVE. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have an
 // effect too.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);

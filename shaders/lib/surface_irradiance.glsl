@@ -61,7 +61,8 @@ struct olx_surface_light {
 
 // Returns how well a probe sees a point; 0 when it cannot.
 float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, uint probe) {
-  bool usable = settings.keep_buried || (olx_probe_flags(probe) & OLX_PROBE_BURIED) == 0u;
+  uint flags = olx_probe_flags(probe); // read in any case, so that one read brings it together with the position
+  bool usable = settings.keep_buried || (flags & OLX_PROBE_BURIED) == 0u;
   precise vec3 way = olx_probe_position(probe) - position;
   float squared = olx_dot(way, way);
   precise float weight = olx_dot(way, normal) / (squared * sqrt(squared));
@@ -70,11 +71,14 @@ float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, 
 
 bool olx_has_bricks() { return (olx_field.select_mask & 1u << OLX_SELECT_BRICKS) != 0u; }
 
-// Returns the number of ranked probes: all, or those of the point's brick, or of its cage in a field without bricks.
-uint olx_ranked_count(bool all) {
-  if (all) return olx_field.probe_count;
-  return olx_has_bricks() || olx_field.grid.count.w > 0u ? OLX_BRICK_PROBES : 0u;
+// Returns whether all probes are ranked: in a field without bricks and cages, and with OLX_SELECT_EXHAUSTIVE, the
+// reference.
+bool olx_ranks_all(olx_sample_settings settings) {
+  return settings.select == OLX_SELECT_EXHAUSTIVE || !(olx_has_bricks() || olx_field.grid.count.w > 0u);
 }
+
+// Returns the number of ranked probes: all, or those of the point's brick, or of its cage in a field without bricks.
+uint olx_ranked_count(bool all) { return all ? olx_field.probe_count : OLX_BRICK_PROBES; }
 
 // Returns the probe at a place among those that are ranked, or OLX_NO_PROBE; `list` and `cage` are those of the point.
 uint olx_ranked_probe(bool all, uint list, olx_cage cage, uint place) {
@@ -166,39 +170,54 @@ float olx_passes(vec3 way, vec3 normal, float height, float allowed) {
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
 }
 
-// Of the four texels only weights are kept, and each is decoded at one place in a loop, so that few registers are live.
-// Where one of them sees another surface, they are decoded again.
+// Returns a vector with `value` in place of component i. Indexing by a variable would put the vector into memory.
+vec4 olx_replace(vec4 vector, int i, float value) { return mix(vector, vec4(value), equal(ivec4(i), ivec4(0, 1, 2, 3))); }
+
+// Returns component i of a vector.
+float olx_component(vec4 vector, int i) {
+  vec2 half_of_it = i < 2 ? vector.xy : vector.zw;
+  return (i & 1) == 0 ? half_of_it.x : half_of_it.y;
+}
+
+// Returns a bit for each component above 0.
+uint olx_positive(vec4 vector) {
+  uvec4 bits = uvec4(greaterThan(vector, vec4(0.0))) * uvec4(1u, 2u, 4u, 8u);
+  return bits.x | bits.y | bits.z | bits.w;
+}
+
+// Of the four texels only weights and distances are kept, and each is decoded at one place in a loop, so that few
+// registers are live. Those that see another surface are decoded again, each once.
 olx_texel_light olx_read_texels(olx_sample_settings settings, uint probe, vec3 position, vec3 normal) {
   olx_probe_view v = olx_view_from(settings, probe, position, normal);
   olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), olx_field.n);
   uint stride = olx_field.n + 2u;
   ivec2 at = ivec2(around.texel.x % stride, around.texel.x / stride) - 1;
-  vec4 weight = around.weight;
+  vec4 weight = around.weight, distance = vec4(0.0);
   uint others = 0u; // a bit for each texel that sees another surface
   for (int i = 0; i < 4; i++) {
     olx_seen_texel t = olx_see_texel(v, at + ivec2(i & 1, i >> 1));
     float agrees = olx_texel_agrees(v, t);
-    weight[i] *= agrees;
+    weight *= olx_replace(vec4(1.0), i, agrees);
+    distance = olx_replace(distance, i, t.distance);
     if (t.seen && !(agrees > 0.0)) others |= 1u << i;
   }
-  for (int i = 0; i < 4 && others != 0u; i++) {
-    ivec2 texel = at + ivec2(i & 1, i >> 1);
-    float distance = 0.0;
-    if (weight[i] > 0.0) distance = olx_texel_geometry_of(v.map, texel).distance;
-    for (int k = 0; others >> k != 0u && weight[i] > 0.0; k++) {
-      if ((others >> k & 1u) != 0u) {
-        olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
-        float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
-        weight[i] *= olx_passes(olx_texel_step(v, texel, distance), other.normal, height, allowed);
-      }
+  uint own = olx_positive(weight);
+  if (own == 0u) others = 0u;
+  for (int k = 0; others >> k != 0u; k++) {
+    if ((others >> k & 1u) == 0u) continue;
+    olx_seen_texel other = olx_see_texel(v, at + ivec2(k & 1, k >> 1));
+    float height = olx_dot(other.normal, other.step), allowed = olx_packing_error(other);
+    for (int i = 0; own >> i != 0u; i++) {
+      vec3 way = olx_texel_step(v, at + ivec2(i & 1, i >> 1), olx_component(distance, i));
+      weight *= olx_replace(vec4(1.0), i, olx_passes(way, other.normal, height, allowed));
     }
   }
-  uvec4 bits = uvec4(greaterThan(weight, vec4(0.0))) * uvec4(1u, 2u, 4u, 8u);
-  uint lit = bits.x | bits.y | bits.z | bits.w;
+  own = olx_positive(weight);
   vec3 sum = vec3(0.0);
-  for (int i = 0; lit >> i != 0u; i++) {
+  for (int i = 0; own >> i != 0u; i++) {
     ivec2 texel = olx_border_source(at + ivec2(i & 1, i >> 1), int(olx_field.n));
-    if (weight[i] > 0.0) sum += olx_texel_indirect(v.map, texel) * weight[i];
+    float share = olx_component(weight, i);
+    if (share > 0.0) sum += olx_texel_indirect(v.map, texel) * share;
   }
   return olx_texel_light(sum, weight.x + weight.y + weight.z + weight.w);
 }
@@ -221,14 +240,18 @@ void olx_blend_add(inout olx_blend b, olx_texel_light light, float rank_weight) 
 olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, out bool stored) {
   olx_blend b = olx_blend(0u, 0.0, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
   stored = true;
-  bool all = settings.select == OLX_SELECT_EXHAUSTIVE;
+  bool all = olx_ranks_all(settings);
   uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
-  uint list = olx_has_bricks() ? olx_bricks_list(position) : 0u;
   olx_ranking ranking = olx_ranking(0u, 0u, OLX_INFINITY);
   bool searching = most > 0u;
   while (searching) {
-    if (tried % 2u == 0u) ranking = olx_rank_next(settings, position, normal, all, list, ranking);
-    uint place = tried % 2u == 0u ? ranking.better : ranking.worse, probe = OLX_NO_PROBE;
+    uint list = olx_has_bricks() && !all ? olx_bricks_list(position) : 0u;
+    uint place = ranking.worse, probe = OLX_NO_PROBE;
+    if (tried % 2u == 0u) {
+      ranking = olx_rank_next(settings, position, normal, all, list, ranking);
+      place = ranking.better;
+      ranking.better = 0u; // so that compilers do not keep it
+    }
     if (place != OLX_NO_PLACE) {
       probe = olx_ranked_probe(all, list, olx_cage_at(olx_field.grid, position), place);
     }
@@ -241,10 +264,9 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
       tried++;
       more = tried < most && b.count < OLX_MOST_BLENDED;
     }
-    if (!more) { // search all probes where none nearby sees the surface, then those nearby for surfaces close to it
+    if (!more) { // where none of them sees the surface, they are asked for surfaces close to it
       searching = stored && b.count == 0u;
-      if (searching && all) stored = false;
-      all = !all;
+      stored = stored && !searching;
       tried = 0u;
       ranking = olx_ranking(0u, 0u, OLX_INFINITY);
     }

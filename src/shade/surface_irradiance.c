@@ -46,32 +46,42 @@ static uint32_t most_ranked(const olx_sample_settings *settings) {
   return settings->max_probes < OLX_MOST_RANKED ? settings->max_probes : OLX_MOST_RANKED;
 }
 
-// Ranks the probes of the point's brick, or of its cage in a field without bricks, best first.
-static void rank_near(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+// Ranks the probes of the point's brick.
+static void rank_listed(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                        ranking *r) {
+  const uint32_t *list = olx_bricks_list(&field->bricks, point->position);
+  for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
+    const uint32_t probe = olx_bricks_probe(list, i);
+    if (probe == OLX_BRICK_NO_PROBE) return;
+    rank(field, settings, point, probe, r);
+  }
+}
+
+// Ranks the probes of the point's cage.
+static void rank_cage(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                       ranking *r) {
-  r->count = 0;
-  r->most = most_ranked(settings);
-  if (field->bricks.header) {
-    const uint32_t *list = olx_bricks_list(&field->bricks, point->position);
-    for (uint32_t i = 0; i < OLX_BRICK_PROBES; i++) {
-      const uint32_t probe = olx_bricks_probe(list, i);
-      if (probe == OLX_BRICK_NO_PROBE) return;
-      rank(field, settings, point, probe, r);
-    }
-  } else if (field->info.probes.has_grid) {
-    const olx_cage cage = olx_cage_at(&field->info.probes.grid, point->position);
-    for (uint32_t corner = 0; corner < 8; corner++) {
-      if (!olx_cage_has(&cage, corner)) continue;
-      rank(field, settings, point, olx_cage_probe(&field->info.probes.grid, &cage, corner), r);
-    }
+  const olx_grid *grid = &field->info.probes.grid;
+  const olx_cage cage = olx_cage_at(grid, point->position);
+  for (uint32_t corner = 0; corner < 8; corner++) {
+    if (olx_cage_has(&cage, corner)) rank(field, settings, point, olx_cage_probe(grid, &cage, corner), r);
   }
 }
 
 static void rank_all(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                      ranking *r) {
+  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) rank(field, settings, point, probe, r);
+}
+
+// Ranks probes, best first: those of the point's brick, in a field without bricks those of its cage, and in one with
+// neither all of them. With OLX_SELECT_EXHAUSTIVE, the reference, all are ranked.
+static void rank_probes(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                        ranking *r) {
   r->count = 0;
   r->most = most_ranked(settings);
-  for (uint32_t probe = 0; probe < field->info.probes.count; probe++) rank(field, settings, point, probe, r);
+  const bool listed = settings->select != OLX_SELECT_EXHAUSTIVE;
+  if (listed && field->bricks.header) rank_listed(field, settings, point, r);
+  else if (listed && field->info.probes.has_grid) rank_cage(field, settings, point, r);
+  else rank_all(field, settings, point, r);
 }
 
 // A point relative to a probe.
@@ -216,17 +226,11 @@ static void read_ranked(const olx_field *field, const olx_sample_settings *setti
 static bool gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                    blend *b) {
   ranking r;
-  if (settings->select != OLX_SELECT_EXHAUSTIVE) {
-    rank_near(field, settings, point, &r);
-    read_ranked(field, settings, point, &r, b);
-  }
-  if (b->count > 0) return true;
-  rank_all(field, settings, point, &r);
+  rank_probes(field, settings, point, &r);
   read_ranked(field, settings, point, &r, b);
   if (b->count > 0) return true;
   olx_sample_settings loose = *settings;
   loose.surface_tolerance += OLX_NEAR_SURFACE;
-  rank_near(field, &loose, point, &r);
   read_ranked(field, &loose, point, &r, b);
   return false;
 }

@@ -278,6 +278,9 @@ typedef struct olx_gpu_uvec4 {
 // with no more probes; in larger fields a probe may count as tried because another one was. The constant is a prime, so
 // that it does not align with the strides of grids.
 #define OLX_REMEMBERED 127u
+// The most probes that are asked beyond those near a place: through which a ray is traced after its selector's, and of
+// which a point of a surface takes light where none nearby stores it. More of them change no picture.
+#define OLX_MOST_FAR 2u
 // How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
 // within a texel, and the ray must not slip through the surface that it was about to hit.
 #define OLX_HAND_OVER_FOOTPRINTS 0.5f

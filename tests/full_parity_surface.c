@@ -102,7 +102,8 @@ static void put_ranking(const parity_state *s, const surface_state *e, parity_re
   settings.max_probes = OLX_MOST_RANKED;
   ranking list;
   settings.select = s->bits[3] & 1u ? OLX_SELECT_EXHAUSTIVE : OLX_SELECT_BEST;
-  rank_probes(s->field, &settings, &e->p, &list);
+  if (settings.select == OLX_SELECT_EXHAUSTIVE) rank_all(s->field, &settings, &e->p, &list);
+  else rank_near(s->field, &settings, &e->p, &list);
   for (uint32_t i = 0; i < 6; i++) {
     put_u(r, i < list.count ? list.probes[i].probe : UINT32_MAX);
     put_f(r, i < list.count ? list.probes[i].weight : 0.0f);

@@ -362,22 +362,28 @@ static void the_nearest_probe_in_front_answers(void **state) {
   analytic_field_free(f);
 }
 
-// The bricks consist of one brick whose list names only probe 7. A point that it does not see has no stored light, unless
-// all probes are asked.
-static void bricks_name_the_probes_and_the_reference_asks_all(void **state) {
+// The bricks consist of one brick whose list names only probe 7. Two of all probes are asked for a point that it does not
+// see.
+static void bricks_name_the_probes_and_two_others_come_after_them(void **state) {
   (void)state;
   olx_field *f = field_of(&halved, &cage, 64, analytic_cast, of_probe);
   const olx_bricks_header header = {.cell_metres = 10.0f, .size = {1, 1, 1}, .lists = 1};
   const uint32_t index[1] = {0}, list[OLX_BRICK_LIST_WORDS] = {0xFFFF0007u, ~0u, ~0u, ~0u};
   f->bricks = (olx_bricks){.header = &header, .index = index, .lists = list};
   assert_light(f, olx_v3(2.6f, 0.0f, 0.7f), olx_v3(0, 1, 0), 8.0f);
-  assert_int_equal(light_at(f, olx_v3(0.6f, 0.0f, 0.7f), olx_v3(0, 1, 0)).probes, 0);
+  const olx_vec3 hidden = {0.6f, 0.0f, 0.7f}, up = {0, 1, 0};
+  const olx_surface_light light = light_at(f, hidden, up);
+  assert_true(light.probes == 1 && fabsf(light.irradiance.x - 1.0f) < 1e-5f);
   olx_sample_settings settings = olx_sample_settings_default();
   settings.select = OLX_SELECT_EXHAUSTIVE;
-  const olx_vec3 up = {0, 1, 0};
-  const float hidden = olx_surface_irradiance(f, &settings, olx_v3(0.6f, 0.0f, 0.7f), up, up, up).x;
-  assert_true(fabsf(hidden - 1.0f) < 1e-5f);
   assert_true(olx_surface_irradiance(f, &settings, olx_v3(3.4f, 0.0f, 0.7f), up, up, up).x < 2.01f);
+  // Beside the wall, the two best of all probes are behind it, once those before it are farther away; the third stores
+  // the point, and the reference alone asks it.
+  const olx_vec3 beside = {1.85f, 0.0f, 0.7f};
+  uint8_t *flags = (uint8_t *)(uintptr_t)f->probe_flags;
+  flags[0] = flags[2] = OLX_PROBE_BURIED;
+  assert_int_equal(light_at(f, beside, up).probes, 0);
+  assert_true(fabsf(olx_surface_irradiance(f, &settings, beside, up, up, up).x - 7.0f) < 1e-5f);
   analytic_field_free(f);
 }
 
@@ -553,7 +559,7 @@ int main(void) {
       cmocka_unit_test(a_ball_of_facets_is_smooth),
       cmocka_unit_test(probes_take_over_smoothly),
       cmocka_unit_test(the_nearest_probe_in_front_answers),
-      cmocka_unit_test(bricks_name_the_probes_and_the_reference_asks_all),
+      cmocka_unit_test(bricks_name_the_probes_and_two_others_come_after_them),
       cmocka_unit_test(points_that_no_probe_sees_get_the_volume),
       cmocka_unit_test(slivers_get_the_light_of_surfaces_close_to_them),
       cmocka_unit_test(normal_maps_change_light_as_they_change_that_of_the_volume),

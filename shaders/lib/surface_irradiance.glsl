@@ -71,14 +71,11 @@ float olx_rank_weight(olx_sample_settings settings, vec3 position, vec3 normal, 
 
 bool olx_has_bricks() { return (olx_field.select_mask & 1u << OLX_SELECT_BRICKS) != 0u; }
 
-// Returns whether all probes are ranked: in a field without bricks and cages, and with OLX_SELECT_EXHAUSTIVE, the
-// reference.
-bool olx_ranks_all(olx_sample_settings settings) {
-  return settings.select == OLX_SELECT_EXHAUSTIVE || !(olx_has_bricks() || olx_field.grid.count.w > 0u);
-}
-
 // Returns the number of ranked probes: all, or those of the point's brick, or of its cage in a field without bricks.
-uint olx_ranked_count(bool all) { return all ? olx_field.probe_count : OLX_BRICK_PROBES; }
+uint olx_ranked_count(bool all) {
+  if (all) return olx_field.probe_count;
+  return olx_has_bricks() || olx_field.grid.count.w > 0u ? OLX_BRICK_PROBES : 0u;
+}
 
 // Returns the probe at a place among those that are ranked, or OLX_NO_PROBE; `list` and `cage` are those of the point.
 uint olx_ranked_probe(bool all, uint list, olx_cage cage, uint place) {
@@ -240,7 +237,7 @@ void olx_blend_add(inout olx_blend b, olx_texel_light light, float rank_weight) 
 olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, out bool stored) {
   olx_blend b = olx_blend(0u, 0.0, vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
   stored = true;
-  bool all = olx_ranks_all(settings);
+  bool exhaustive = settings.select == OLX_SELECT_EXHAUSTIVE, all = exhaustive;
   uint most = min(settings.max_probes, OLX_MOST_RANKED), tried = 0u;
   olx_ranking ranking = olx_ranking(0u, 0u, OLX_INFINITY);
   bool searching = most > 0u;
@@ -262,11 +259,12 @@ olx_blend olx_gather(olx_sample_settings settings, vec3 position, vec3 normal, o
       allowed.surface_tolerance += stored ? 0.0 : OLX_NEAR_SURFACE;
       olx_blend_add(b, olx_read_texels(allowed, probe, position, normal), weight);
       tried++;
-      more = tried < most && b.count < OLX_MOST_BLENDED;
+      more = tried < most && (tried < OLX_MOST_FAR || exhaustive || !all) && b.count < OLX_MOST_BLENDED;
     }
-    if (!more) { // where none of them sees the surface, they are asked for surfaces close to it
+    if (!more) { // search all probes where none nearby sees the surface, then those nearby for surfaces close to it
       searching = stored && b.count == 0u;
-      stored = stored && !searching;
+      if (searching && all) stored = false;
+      all = !all;
       tried = 0u;
       ranking = olx_ranking(0u, 0u, OLX_INFINITY);
     }

@@ -181,20 +181,25 @@ uint olx_next_probe(olx_search s, bool everywhere, uint last) {
   return OLX_NO_PROBE;
 }
 
-// Tries probe after probe, first those of the selector, then others. Returns true when one resolves the ray. Rays are
+// Tries probe after probe, first those of the selector, then a few others. Returns true when one resolves the ray. Rays are
 // traced at one place in the code, because compilers inline the whole march there; rays for which the selector has no
 // more probes wait until all rays beside them are as far.
 bool olx_search_probes(inout olx_search s) {
-  bool settled = false;
-  uint last = OLX_NO_PROBE;
+  bool settled = false, exhaustive = olx_select_resolve(s.settings.select) == OLX_SELECT_EXHAUSTIVE;
+  uint last = OLX_NO_PROBE, most = s.settings.max_probes, left_out = 0u;
   for (uint part = 0u; part < 2u; part++) {
-    while (!settled && s.attempts < s.settings.max_probes) {
+    if (part != 0u && s.attempts > 0u && !exhaustive) { // counted as tries, so that no other limit is kept
+      left_out = max(most - min(most, OLX_MOST_FAR), s.attempts) - s.attempts;
+      s.attempts += left_out;
+    }
+    while (!settled && s.attempts < most) {
       uint next = olx_next_probe(s, part != 0u, last);
       if (next == OLX_NO_PROBE) break;
       last = next;
       settled = olx_ask(s, next);
     }
   }
+  s.attempts -= left_out;
   return settled;
 }
 

@@ -67,21 +67,22 @@ static void rank_cage(const olx_field *field, const olx_sample_settings *setting
   }
 }
 
+// Ranks the best of all probes: a few, or as many as the settings allow for OLX_SELECT_EXHAUSTIVE, the reference.
 static void rank_all(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                      ranking *r) {
+  const uint32_t most = most_ranked(settings);
+  r->count = 0;
+  r->most = settings->select == OLX_SELECT_EXHAUSTIVE || most < OLX_MOST_FAR ? most : OLX_MOST_FAR;
   for (uint32_t probe = 0; probe < field->info.probes.count; probe++) rank(field, settings, point, probe, r);
 }
 
-// Ranks probes, best first: those of the point's brick, in a field without bricks those of its cage, and in one with
-// neither all of them. With OLX_SELECT_EXHAUSTIVE, the reference, all are ranked.
-static void rank_probes(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
-                        ranking *r) {
+// Ranks the probes of the point's brick, or of its cage in a field without bricks, best first.
+static void rank_near(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
+                      ranking *r) {
   r->count = 0;
   r->most = most_ranked(settings);
-  const bool listed = settings->select != OLX_SELECT_EXHAUSTIVE;
-  if (listed && field->bricks.header) rank_listed(field, settings, point, r);
-  else if (listed && field->info.probes.has_grid) rank_cage(field, settings, point, r);
-  else rank_all(field, settings, point, r);
+  if (field->bricks.header) rank_listed(field, settings, point, r);
+  else if (field->info.probes.has_grid) rank_cage(field, settings, point, r);
 }
 
 // A point relative to a probe.
@@ -226,11 +227,17 @@ static void read_ranked(const olx_field *field, const olx_sample_settings *setti
 static bool gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                    blend *b) {
   ranking r;
-  rank_probes(field, settings, point, &r);
+  if (settings->select != OLX_SELECT_EXHAUSTIVE) {
+    rank_near(field, settings, point, &r);
+    read_ranked(field, settings, point, &r, b);
+  }
+  if (b->count > 0) return true;
+  rank_all(field, settings, point, &r);
   read_ranked(field, settings, point, &r, b);
   if (b->count > 0) return true;
   olx_sample_settings loose = *settings;
   loose.surface_tolerance += OLX_NEAR_SURFACE;
+  rank_near(field, &loose, point, &r);
   read_ranked(field, &loose, point, &r, b);
   return false;
 }

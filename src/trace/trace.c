@@ -239,10 +239,18 @@ static uint32_t next_selected(const search *s, uint32_t last) {
   }
 }
 
-// Tries the probes of the selector or, with `everywhere`, all probes that see the place where the ray was lost, nearest
-// first. Returns true when one resolves the ray.
+// Returns how many probes may have been tried after the search of all probes: a few more than before it. Where the
+// selector named none, and with OLX_SELECT_EXHAUSTIVE, that is the only search.
+static uint32_t far_limit(const search *s) {
+  const bool only = s->attempts == 0 || olx_select_resolve(s->field, s->settings->select) == OLX_SELECT_EXHAUSTIVE;
+  return only || s->limit < s->attempts + OLX_MOST_FAR ? s->limit : s->attempts + OLX_MOST_FAR;
+}
+
+// Tries the probes of the selector or, with `everywhere`, a few of all probes that see the place where the ray was lost,
+// nearest first. Returns true when one resolves the ray.
 static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe_answer *answer) {
-  while (s->attempts < s->limit) {
+  const uint32_t limit = everywhere ? far_limit(s) : s->limit;
+  while (s->attempts < limit) {
     const uint32_t next = everywhere ? nearest_that_sees(s) : next_selected(s, *probe);
     if (next == OLX_NO_PROBE) return false;
     *probe = next;

@@ -362,8 +362,8 @@ static void the_nearest_probe_in_front_answers(void **state) {
   analytic_field_free(f);
 }
 
-// The bricks consist of one brick whose list names only probe 7. Two of all probes are asked for a point that it does not
-// see.
+// The bricks consist of one brick whose list names only probe 7. Two of all probes are asked for a point that it does
+// not see.
 static void bricks_name_the_probes_and_two_others_come_after_them(void **state) {
   (void)state;
   olx_field *f = field_of(&halved, &cage, 64, analytic_cast, of_probe);

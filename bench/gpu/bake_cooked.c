@@ -1,6 +1,6 @@
-// Bakes a cooked scene: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks [NOISE]]]. It is the
-// smallest program that bakes: it links Embree and Qhull, but none of the libraries that import scenes or write
-// pictures.
+// Bakes a cooked scene: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks [NOISE]]].
+// It is the smallest program that bakes: it links Embree and Qhull, but none of the libraries that import scenes or
+// write pictures.
 #include <octalux/bake.h>
 
 #include <stdio.h>
@@ -43,7 +43,8 @@ int main(int argc, char **argv) {
   uint32_t count[3];
   if (argc < 5 || argc > 8 || (argc > 5 && sscanf(argv[5], "%ux%ux%u", &count[0], &count[1], &count[2]) != 3) ||
       (argc > 6 && !parse_selectors(argv[6]))) {
-    fprintf(stderr, "usage: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE [4x4x4 [cage,bricks [NOISE]]]\n");
+    fprintf(stderr, "usage: bake_cooked SCENE.olxs OUT.olx RADIANCE_SIZE IRRADIANCE_SIZE "
+                    "[4x4x4 [cage,bricks [NOISE]]]\n");
     return 2;
   }
   olx_scene *scene;

@@ -168,7 +168,9 @@ float olx_passes(vec3 way, vec3 normal, float height, float allowed) {
 }
 
 // Returns a vector with `value` in place of component i. Indexing by a variable would put the vector into memory.
-vec4 olx_replace(vec4 vector, int i, float value) { return mix(vector, vec4(value), equal(ivec4(i), ivec4(0, 1, 2, 3))); }
+vec4 olx_replace(vec4 vector, int i, float value) {
+  return mix(vector, vec4(value), equal(ivec4(i), ivec4(0, 1, 2, 3)));
+}
 
 // Returns component i of a vector.
 float olx_component(vec4 vector, int i) {

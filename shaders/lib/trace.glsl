@@ -181,9 +181,9 @@ uint olx_next_probe(olx_search s, bool everywhere, uint last) {
   return OLX_NO_PROBE;
 }
 
-// Tries probe after probe, first those of the selector, then a few others. Returns true when one resolves the ray. Rays are
-// traced at one place in the code, because compilers inline the whole march there; rays for which the selector has no
-// more probes wait until all rays beside them are as far.
+// Tries probe after probe, first those of the selector, then a few others. Returns true when one resolves the ray. Rays
+// are traced at one place in the code, because compilers inline the whole march there; rays for which the selector has
+// no more probes wait until all rays beside them are as far.
 bool olx_search_probes(inout olx_search s) {
   bool settled = false, exhaustive = olx_select_resolve(s.settings.select) == OLX_SELECT_EXHAUSTIVE;
   uint last = OLX_NO_PROBE, most = s.settings.max_probes, left_out = 0u;

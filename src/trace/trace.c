@@ -246,8 +246,8 @@ static uint32_t far_limit(const search *s) {
   return only || s->limit < s->attempts + OLX_MOST_FAR ? s->limit : s->attempts + OLX_MOST_FAR;
 }
 
-// Tries the probes of the selector or, with `everywhere`, a few of all probes that see the place where the ray was lost,
-// nearest first. Returns true when one resolves the ray.
+// Tries the probes of the selector or, with `everywhere`, a few of all probes that see the place where the ray was
+// lost, nearest first. Returns true when one resolves the ray.
 static bool search_probes(search *s, bool everywhere, uint32_t *probe, olx_probe_answer *answer) {
   const uint32_t limit = everywhere ? far_limit(s) : s->limit;
   while (s->attempts < limit) {

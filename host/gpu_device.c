@@ -28,6 +28,8 @@ static const char *meaning(VkResult result) {
   case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
   case VK_ERROR_DEVICE_LOST: return "the Vulkan device was lost";
   case VK_ERROR_SURFACE_LOST_KHR: return "the window's surface was lost";
+  case VK_ERROR_INCOMPATIBLE_DRIVER:
+    return "no Vulkan driver is installed, or none can be loaded; with VK_LOADER_DEBUG=error the loader says why";
   default: return "the Vulkan device refuses";
   }
 }

@@ -218,6 +218,11 @@ SURFACE_ROW(surface_light_at, if (s->bits[3] & 0x40000u) s->settings.max_probes 
     put_light(r, light.irradiance, light.probes);)
 SURFACE_ROW(surface_irradiance, put_3(r, olx_surface_irradiance(s->field, &s->settings, e->p.position,
         e->p.geometric_normal, e->p.shading_normal, s->view));)
+SURFACE_ROW(replace, for (uint32_t i = 0; i < 4; i++) put_f(r, i == (s->bits[0] & 3u) ? 2.0f : s->random[i]);)
+SURFACE_ROW(component, put_f(r, s->random[s->bits[0] & 3u]);)
+SURFACE_ROW(positive, uint32_t bits = 0;
+    for (uint32_t i = 0; i < 4; i++) bits |= (uint32_t)(s->random[i] > 0.5f) << i;
+    put_u(r, bits);)
 // clang-format on
 
 static const parity_row ROWS[] = {
@@ -251,6 +256,9 @@ static const parity_row ROWS[] = {
     PARITY(volume_irradiance, 1e-4f, 1e-3),
     PARITY(surface_light_at, 1e-3f, 1e-3),
     PARITY(surface_irradiance, 1e-3f, 1e-3),
+    PARITY(replace, 0, 0),
+    PARITY(component, 0, 0),
+    PARITY(positive, 0, 0),
 };
 static const parity_code CODES[] = {{ROWS_OF_SURFACE, {CODE, sizeof CODE}}};
 static const parity_range ROOMS[PARITY_ROOMS] = {

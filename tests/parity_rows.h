@@ -249,43 +249,46 @@
 #define ROW_olx_volume_irradiance 224
 #define ROW_olx_surface_light_at 225
 #define ROW_olx_surface_irradiance 226
-#define ROWS_OF_SURFACE 227
+#define ROW_olx_replace 227
+#define ROW_olx_component 228
+#define ROW_olx_positive 229
+#define ROWS_OF_SURFACE 230
 
-#define ROW_olx_rgb9e5_unpack 227
-#define ROW_olx_texel_material 228
-#define ROW_olx_texel_direct 229
-#define ROW_olx_texel_emission 230
-#define ROW_olx_word_vector 231
-#define ROW_olx_field_light_at 232
-#define ROW_olx_field_light_cone 233
-#define ROW_olx_field_light_arrival 234
-#define ROW_olx_highlight 235
-#define ROW_olx_light_without_shadows 236
-#define ROW_olx_lit_share 237
-#define ROW_olx_texel_shade 238
-#define ROW_olx_further_draw 239
-#define ROW_olx_further_light 240
-#define ROW_olx_surface_at 241
-#define ROWS_OF_HITS 242
+#define ROW_olx_rgb9e5_unpack 230
+#define ROW_olx_texel_material 231
+#define ROW_olx_texel_direct 232
+#define ROW_olx_texel_emission 233
+#define ROW_olx_word_vector 234
+#define ROW_olx_field_light_at 235
+#define ROW_olx_field_light_cone 236
+#define ROW_olx_field_light_arrival 237
+#define ROW_olx_highlight 238
+#define ROW_olx_light_without_shadows 239
+#define ROW_olx_lit_share 240
+#define ROW_olx_texel_shade 241
+#define ROW_olx_further_draw 242
+#define ROW_olx_further_light 243
+#define ROW_olx_surface_at 244
+#define ROWS_OF_HITS 245
 
 // Rows that need no field, and so have a test and a shader of their own.
-#define ROW_olx_volume_find 242
-#define ROW_olx_volume_weight 243
-#define ROW_olx_volume_light 244
-#define ROW_olx_volume_coefficient 245
-#define ROW_olx_harmonics_at 246
-#define ROW_olx_volume_probe 247
-#define ROW_olx_volume_both 248
+#define ROW_olx_volume_find 245
+#define ROW_olx_volume_weight 246
+#define ROW_olx_volume_light 247
+#define ROW_olx_volume_coefficient 248
+#define ROW_olx_harmonics_at 249
+#define ROW_olx_volume_probe 250
+#define ROW_olx_volume_both 251
 
 // Rows of geometry blocks, which need no field either.
-#define ROW_olx_plane_decode 249
-#define ROW_olx_geometry_pooled 250
-#define ROW_olx_geometry_plane_of 251
-#define ROW_olx_geometry_nearest 252
-#define ROW_olx_plane_depth 253
-#define ROW_olx_plane_normal 254
-#define ROW_olx_plane_distance 255
-#define ROW_olx_block_texel_point 256
-#define ROW_olx_turn 257
+#define ROW_olx_plane_decode 252
+#define ROW_olx_geometry_pooled 253
+#define ROW_olx_geometry_plane_of 254
+#define ROW_olx_geometry_nearest 255
+#define ROW_olx_plane_depth 256
+#define ROW_olx_plane_normal 257
+#define ROW_olx_plane_distance 258
+#define ROW_olx_block_texel_point 259
+#define ROW_olx_turn 260
 
 #endif

@@ -122,6 +122,12 @@ void surface_rows() {
     if ((bits.w & 0x40000u) != 0u) settings.max_probes = 0u;
     put(olx_surface_light_at(settings, place, geometric, geometric, bent, view));
   } break;
+  case ROW_olx_replace: {
+    vec4 replaced = olx_replace(random, int(bits.x & 3u), 2.0);
+    put(replaced.xyz), put(replaced.w);
+  } break;
+  case ROW_olx_component: put(olx_component(random, int(bits.x & 3u))); break;
+  case ROW_olx_positive: put(olx_positive(random - 0.5)); break;
   case ROW_olx_surface_irradiance: put(olx_surface_irradiance(settings, place, geometric, bent, view)); break;
   }
 }

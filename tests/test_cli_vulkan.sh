@@ -28,7 +28,7 @@ expect_usage "--standard-error goes with" render builtin:cornell -o a.exr --fiel
 expect_failure "no camera named \"x\"" render builtin:cornell -o a.exr --field cornell.olx --frames 3 --from-camera x --device vulkan
 expect_usage "--validate goes with" render builtin:cornell -o a.exr --field cornell.olx --validate
 rm a.exr 2>/dev/null
-VK_ICD_FILENAMES=/nonexistent.json expect_failure "Vulkan" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 \
+VK_ICD_FILENAMES=/nonexistent.json expect_failure "no Vulkan driver is installed" render builtin:cornell-glossy --field cornell.olx -o none.exr --size 8x8 \
   --device vulkan
 [ -e none.exr ] && fail "a failed render leaves a file"
 

@@ -8,6 +8,7 @@
 
 #include "bilinear.glsl"
 #include "bricks.glsl"
+#include "components.glsl"
 #include "irradiance.glsl"
 #include "texels.glsl"
 #include "volume_irradiance.glsl"
@@ -165,23 +166,6 @@ float olx_texel_agrees(olx_probe_view v, olx_seen_texel t) {
 float olx_passes(vec3 way, vec3 normal, float height, float allowed) {
   bool before = !(height < -allowed) || height - olx_dot(normal, way) <= allowed;
   return before ? 1.0 : max(2.0 + height / allowed, 0.0);
-}
-
-// Returns a vector with `value` in place of component i. Indexing by a variable would put the vector into memory.
-vec4 olx_replace(vec4 vector, int i, float value) {
-  return mix(vector, vec4(value), equal(ivec4(i), ivec4(0, 1, 2, 3)));
-}
-
-// Returns component i of a vector.
-float olx_component(vec4 vector, int i) {
-  vec2 half_of_it = i < 2 ? vector.xy : vector.zw;
-  return (i & 1) == 0 ? half_of_it.x : half_of_it.y;
-}
-
-// Returns a bit for each component above 0.
-uint olx_positive(vec4 vector) {
-  uvec4 bits = uvec4(greaterThan(vector, vec4(0.0))) * uvec4(1u, 2u, 4u, 8u);
-  return bits.x | bits.y | bits.z | bits.w;
 }
 
 // Of the four texels only weights and distances are kept, and each is decoded at one place in a loop, so that few

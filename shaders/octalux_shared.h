@@ -279,7 +279,8 @@ typedef struct olx_gpu_uvec4 {
 // that it does not align with the strides of grids.
 #define OLX_REMEMBERED 127u
 // The most probes that are asked beyond those near a place: through which a ray is traced after its selector's, and of
-// which a point of a surface takes light where none nearby stores it. More of them change no picture.
+// which a point of a surface takes light where none nearby stores it. More of them lower no error of a picture
+// (docs/studies/vulkan.md).
 #define OLX_MOST_FAR 2u
 // How many footprints before the place where one probe lost a ray the next one takes over. The place is known only to
 // within a texel, and the ray must not slip through the surface that it was about to hit.

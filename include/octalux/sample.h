@@ -34,8 +34,8 @@ typedef struct olx_sample_settings {
   olx_tracer tracer;         // default OLX_TRACER_HIZ
   olx_select select;         // default OLX_SELECT_BEST; OLX_SELECT_EXHAUSTIVE replaces one that the field does not have
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
-  uint32_t max_probes;       // the most probes through which a ray is traced; once its selector names no more, at most
-                             // two others are asked; default 16
+  uint32_t max_probes;       // the most probes through which a ray is traced; once its selector has named some and
+                             // names no more, at most two others are asked; default 16
   bool keep_buried;          // also use buried probes (inside geometry; the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "layers")
@@ -124,8 +124,8 @@ void olx_irradiance_points(const olx_field *field, const olx_sample_settings *se
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
 // Numbers that are not finite give 0. Light is read from the best max_probes of the point's brick (of its cage in a
 // field without bricks), and where none of them sees the surface, from the best two of all; with OLX_SELECT_EXHAUSTIVE
-// from the best max_probes of all. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have an
-// effect too.
+// from the best max_probes of all. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have
+// an effect too.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 

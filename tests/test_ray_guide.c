@@ -90,12 +90,72 @@ static void rays_follow_the_density(void **state) {
   }
 }
 
+// Returns the mean over bins of the mean over the rays that a pool gives to each.
+static double divided_mean(const olx_ray_pool *pool, uint32_t rays, uint32_t seed) {
+  uint8_t bins[OLX_GUIDE_BINS];
+  double sum = 0.0;
+  olx_guide_divide(pool, rays, bins);
+  for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+    for (uint32_t i = 0; i < bins[bin]; i++) {
+      const olx_vec2 p = olx_guide_in_bin(bin, olx_stratified2(i, olx_hash2(seed, bin)));
+      sum += (double)corner_light(p) / (OLX_GUIDE_BINS * bins[bin]);
+    }
+  }
+  return sum;
+}
+
+static void divided_rays_follow_the_density_and_find_the_same_mean(void **state) {
+  (void)state;
+  enum { SEEDS = 400, FEW = 128 };
+  const olx_ray_pool pool = learn(corner_light);
+  const olx_ray_pool *const pools[] = {&pool, NULL};
+  double truth = 0.0, squares[2] = {0};
+  for (uint32_t i = 0; i < RAYS; i++) truth += (double)corner_light(olx_stratified2(i, 2)) / RAYS;
+  for (uint32_t k = 0; k < 2; k++) {
+    double mean = 0.0;
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+      const double found = divided_mean(pools[k], FEW, seed);
+      mean += found / SEEDS;
+      squares[k] += (found - truth) * (found - truth) / SEEDS;
+    }
+    assert_float_equal((float)mean, (float)truth, 0.01f * (float)truth);
+  }
+  assert_true(squares[0] < 0.5 * squares[1]);
+}
+
+// A bin's rays are as many as its own density says, so that a change elsewhere leaves them as they are.
+static void each_bin_has_rays_by_its_own_density(void **state) {
+  (void)state;
+  olx_ray_pool pool = learn(corner_light);
+  uint8_t bins[OLX_GUIDE_BINS], changed[OLX_GUIDE_BINS], even[OLX_GUIDE_BINS];
+  const uint32_t count = olx_guide_divide(&pool, 255, bins);
+  uint32_t sum = 0;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    const float expected = pool.density[i] * 255 / OLX_GUIDE_BINS;
+    assert_true(bins[i] >= 1);
+    assert_float_equal((float)bins[i], expected, 0.51f);
+    sum += bins[i];
+  }
+  assert_int_equal(sum, count);
+  assert_true(count <= 255 + OLX_GUIDE_BINS);
+  pool.density[5] *= 2.0f;
+  pool.density[9] *= 0.5f;
+  olx_guide_divide(&pool, 255, changed);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    if (i != 5 && i != 9) assert_int_equal(changed[i], bins[i]);
+  }
+  assert_int_equal(olx_guide_divide(NULL, 128, even), 128);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) assert_int_equal(even[i], 2);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_density_has_a_mean_of_one_and_leaves_nothing_out),
       cmocka_unit_test(where_all_directions_bring_alike_rays_stay_even),
       cmocka_unit_test(guided_rays_find_the_same_mean_with_less_variance),
       cmocka_unit_test(rays_follow_the_density),
+      cmocka_unit_test(divided_rays_follow_the_density_and_find_the_same_mean),
+      cmocka_unit_test(each_bin_has_rays_by_its_own_density),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,6 +6,7 @@
 // Without a file of probes (or with "-") the probes are those of the scene's grid.
 #include "core/parallel.h"
 #include "light/path.h"
+#include "light/links/ray_ends.h"
 #include "light/scene_light.h"
 #include "light/solution/light_solution.h"
 #include "options.h"
@@ -137,12 +138,25 @@ static void report_part(const job *j, uint32_t count, bool interpolated) {
          interpolated ? "interpolated" : "gathered", 100.0 * part / valid, error / squares, two / squares);
 }
 
+// Returns what one ray finds, drawn by a pool's density, or evenly when that is NULL, as an estimate of irradiance.
+static olx_vec3 cast_one(const olx_scene_light *l, const olx_surface *surface, const olx_ray_pool *pool,
+                         uint32_t seed) {
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  const olx_ray_caster caster = {.surfels = &l->surfels};
+  float density = 1.0f;
+  olx_vec2 drawn = olx_stratified2(0, seed);
+  if (pool) drawn = olx_guide_warp(pool, drawn, &density);
+  const olx_ray_draw draw = {drawn, 1.0f / density, 1.0f, seed, 0};
+  olx_ray_end end = olx_ray_end_none();
+  olx_ray_ends_cast(&caster, surface, &draw, 1, &end);
+  return olx_ray_end_light(&end, &light);
+}
+
 // Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the
 // guide.
 static void report_rays(const job *j, uint32_t count) {
   enum { PLACES = 400, RAYS = 2048 };
   const olx_scene_light *l = j->light[0];
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces, INFINITY};
   double sum[2] = {0}, squares[2] = {0}, rays = 0;
   for (uint32_t i = 0; i < count && i < PLACES; i++) {
     const olx_surface *surface = &j->points[i].surface;
@@ -153,8 +167,7 @@ static void report_rays(const job *j, uint32_t count) {
     rays += RAYS;
     for (uint32_t k = 0; k < 2 * RAYS; k++) {
       const olx_ray_pool *pool = k % 2 ? olx_light_pool(l, near) : NULL;
-      const double found =
-          (double)olx_luminance(olx_links_gather_one(&l->surfels, surface, pool, olx_hash2(i, k / 2), &light));
+      const double found = (double)olx_luminance(cast_one(l, surface, pool, olx_hash2(i, k / 2)));
       sum[k % 2] += found;
       squares[k % 2] += found * found;
     }

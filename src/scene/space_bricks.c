@@ -50,8 +50,22 @@ static void add_brick(const axis_walk walks[3], olx_brick_set *set) {
   set->words[brick / 64] |= UINT64_C(1) << brick % 64;
 }
 
+// Returns the number of the brick in which a point lies, or OLX_SPACE_BRICKS outside.
+static uint32_t brick_of(const olx_space_bricks *b, olx_vec3 point) {
+  const olx_vec3 way = olx_sub(point, b->low);
+  const float x = way.x / b->side.x, y = way.y / b->side.y, z = way.z / b->side.z;
+  if (!(x >= 0.0f && y >= 0.0f && z >= 0.0f)) return OLX_SPACE_BRICKS;
+  if (!(x < (float)b->count[0] && y < (float)b->count[1] && z < (float)b->count[2])) return OLX_SPACE_BRICKS;
+  return olx_space_brick(b, (uint32_t)x, (uint32_t)y, (uint32_t)z);
+}
+
 void olx_space_bricks_cross(const olx_space_bricks *b, olx_vec3 origin, olx_vec3 direction, float t_max,
                             olx_brick_set *crossed) {
+  const uint32_t first = brick_of(b, origin);
+  if (first < OLX_SPACE_BRICKS && first == brick_of(b, olx_madd(origin, direction, t_max))) { // most rays are short
+    crossed->words[first / 64] |= UINT64_C(1) << first % 64;
+    return;
+  }
   float range[2] = {0.0f, t_max};
   if (!clip(origin.x, direction.x, b->low.x, b->high.x, TOUCH * b->side.x, range) ||
       !clip(origin.y, direction.y, b->low.y, b->high.y, TOUCH * b->side.y, range) ||

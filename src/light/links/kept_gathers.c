@@ -15,12 +15,15 @@ static bool read_gather(olx_byte_reader *from, uint64_t *check, olx_kept_gather 
   gather->kind_count = header->kind_count;
   gather->light_count = header->light_count;
   gather->brick_count = header->brick_count;
-  gather->links = olx_bytes_get(from, OLX_GATHER_RAYS, sizeof *gather->links);
-  gather->kinds = olx_bytes_get(from, OLX_GATHER_RAYS, sizeof *gather->kinds);
+  gather->bins = olx_bytes_get(from, OLX_GUIDE_BINS, sizeof *gather->bins);
+  gather->end_count = 1;
+  for (uint32_t i = 0; gather->bins && i < OLX_GUIDE_BINS; i++) gather->end_count += gather->bins[i];
+  gather->links = olx_bytes_get(from, gather->end_count, sizeof *gather->links);
+  gather->kinds = olx_bytes_get(from, gather->end_count, sizeof *gather->kinds);
   gather->needs = olx_bytes_get(from, header->kind_count, sizeof *gather->needs);
   gather->bricks = olx_bytes_get(from, header->brick_count, 1);
   gather->lights = olx_bytes_get(from, header->light_count, sizeof *gather->lights);
-  return !from->failed;
+  return !from->failed && gather->end_count <= OLX_GATHER_ENDS;
 }
 
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather) {
@@ -37,8 +40,9 @@ bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *g
 void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather) {
   const gather_header header = {check, gather->kind_count, gather->light_count, gather->brick_count, 0};
   olx_bytes_put(&row->kept, &header, 1, sizeof header);
-  olx_bytes_put(&row->kept, gather->links, OLX_GATHER_RAYS, sizeof *gather->links);
-  olx_bytes_put(&row->kept, gather->kinds, OLX_GATHER_RAYS, sizeof *gather->kinds);
+  olx_bytes_put(&row->kept, gather->bins, OLX_GUIDE_BINS, sizeof *gather->bins);
+  olx_bytes_put(&row->kept, gather->links, gather->end_count, sizeof *gather->links);
+  olx_bytes_put(&row->kept, gather->kinds, gather->end_count, sizeof *gather->kinds);
   olx_bytes_put(&row->kept, gather->needs, gather->kind_count, sizeof *gather->needs);
   olx_bytes_put(&row->kept, gather->bricks, gather->brick_count, 1);
   olx_bytes_put(&row->kept, gather->lights, gather->light_count, sizeof *gather->lights);
@@ -63,7 +67,7 @@ uint32_t olx_gather_write_bricks(const olx_brick_set *set, uint8_t bytes[OLX_KIN
 
 bool olx_gather_read_kinds(const olx_kept_gather *gather, olx_gather_kind *kinds) {
   uint32_t at = 0;
-  if (gather->kind_count > OLX_GATHER_RAYS) return false;
+  if (gather->kind_count > UINT8_MAX + 1) return false;
   for (uint32_t i = 0; i < gather->kind_count; i++) {
     kinds[i] = (olx_gather_kind){.needs = gather->needs[i]};
     if (at >= gather->brick_count || gather->bricks[at] >= gather->brick_count - at) return false;

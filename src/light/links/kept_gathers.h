@@ -6,7 +6,10 @@
 
 #include "light/links/former_surfels.h"
 
-enum { OLX_GATHER_RAYS = 256 }; // of a gather
+enum {
+  OLX_GATHER_RAYS = 256,                                  // of a gather, as many as rounding in each bin leaves
+  OLX_GATHER_ENDS = OLX_GATHER_RAYS + OLX_GUIDE_BINS + 1, // at most, with the light of surfaces near lamps
+};
 
 // Light that a ray of a gather brings without its link, after `surfaces` + 1 surfaces.
 typedef struct olx_gather_light {
@@ -22,11 +25,13 @@ typedef struct olx_gather_kind {
 
 // One gather, as it is kept.
 typedef struct olx_kept_gather {
-  const olx_link *links; // OLX_GATHER_RAYS
-  const uint8_t *kinds;  // OLX_GATHER_RAYS
+  const uint8_t *bins;   // OLX_GUIDE_BINS: rays in each bin of directions
+  const olx_link *links; // of the rays, bin by bin, and one for the light of surfaces near lamps
+  const uint8_t *kinds;  // the same
   const uint64_t *needs; // slots of olx_scene_inputs, of each kind of ray
   const uint8_t *bricks; // of each kind: how many, and their numbers
   const olx_gather_light *lights;
+  uint32_t end_count;                            // rays and one, at most OLX_GATHER_ENDS
   uint32_t kind_count, light_count, brick_count; // brick_count: bytes of `bricks`
 } olx_kept_gather;
 
@@ -39,8 +44,8 @@ typedef struct olx_gather_row {
   const olx_former_surfels *earlier; // that scene's surfels; NULL: they are the same
 } olx_gather_row;
 
-// Finds the next gather with this check, which covers everything that its rays are drawn from; returns false where
-// there is none near.
+// Finds the next gather with this check, which covers everything that its rays are drawn from but their number in each
+// bin; returns false where there is none near.
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather);
 void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gather *gather);
 
@@ -49,7 +54,7 @@ enum { OLX_KIND_BYTES = 64 };
 // Writes a set's bricks as a kind's, and returns the number of bytes. A set that does not fit is written as empty, and
 // *needs becomes everything.
 uint32_t olx_gather_write_bricks(const olx_brick_set *set, uint8_t bytes[OLX_KIND_BYTES], uint64_t *needs);
-// Reads the kinds of a gather, of which there are at most OLX_GATHER_RAYS; returns false when they are damaged.
+// Reads the kinds of a gather, of which there are at most 256; returns false when they are damaged.
 bool olx_gather_read_kinds(const olx_kept_gather *gather, olx_gather_kind *kinds);
 
 #endif

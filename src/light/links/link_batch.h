@@ -27,6 +27,11 @@ typedef struct olx_link {
 } olx_link;
 
 static inline uint32_t olx_link_end(const olx_link *link) { return link->end & OLX_LINK_NOWHERE; }
+static inline uint32_t olx_link_chain(const olx_link *link) {
+  return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
+}
+// Returns whether the link ends at a surfel.
+static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
 // emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They

@@ -7,8 +7,7 @@
 #define OLX_LIGHT_LINKS_H
 
 #include "core/pack.h"
-#include "light/links/kept_gathers.h"
-#include "light/links/link_batch.h"
+#include "light/links/ray_ends.h"
 
 // Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
 // OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
@@ -44,22 +43,6 @@ typedef struct olx_ray_sum {
   float worth;    // sum over rays, in rays of even density
 } olx_ray_sum;
 
-// The light that surfels pass on: direct irradiance, and with it indirect irradiance of all bounces but the last of
-// `bounces`.
-typedef struct olx_passed_light {
-  const olx_vec3 *direct, *all;
-  uint32_t bounces;
-  float most; // bound on luminance times pi of a gathered ray: rare bright hits would leave blotches
-} olx_passed_light;
-
-// Returns the indirect irradiance in W/m^2 of any surface, about its shading normal, from OLX_GATHER_RAYS rays of its
-// own. They are drawn by a pool's density, or evenly when that is NULL. `row` keeps what they find; it may be NULL.
-olx_vec3 olx_links_gather(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                          uint32_t seed, const olx_passed_light *light, olx_gather_row *row);
-// Returns what the first of these rays alone finds, as an estimate of the same irradiance.
-olx_vec3 olx_links_gather_one(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                              uint32_t seed, const olx_passed_light *light);
-
 // Adds up what `count` rays of a surfel bring, drawn by the guide, from index `first` on; they leave no links. *rays
 // counts all rays.
 olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
@@ -69,12 +52,6 @@ olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, 
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {
   return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
 }
-
-static inline uint32_t olx_link_chain(const olx_link *link) {
-  return link->end >> OLX_LINK_CHAIN_SHIFT & OLX_LINK_CHAIN_MASK;
-}
-// Returns whether the link ends at a surfel.
-static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
 
 // Returns the light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its
 // ray.

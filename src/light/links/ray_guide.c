@@ -136,3 +136,18 @@ olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density)
   *density = pool->density[row * OLX_GUIDE_SIDE + column];
   return (olx_vec2){((float)column + x) / OLX_GUIDE_SIDE, ((float)row + y) / OLX_GUIDE_SIDE};
 }
+
+uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    const float wanted = (float)rays / OLX_GUIDE_BINS * (pool ? pool->density[i] : 1.0f);
+    bins[i] = (uint8_t)olx_clamp(roundf(wanted), 1.0f, UINT8_MAX);
+    count += bins[i];
+  }
+  return count;
+}
+
+olx_vec2 olx_guide_in_bin(uint32_t bin, olx_vec2 point) {
+  return (olx_vec2){((float)(bin % OLX_GUIDE_SIDE) + point.x) / OLX_GUIDE_SIDE,
+                    ((float)(bin / OLX_GUIDE_SIDE) + point.y) / OLX_GUIDE_SIDE};
+}

@@ -47,4 +47,11 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 // result.
 olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
 
+// Divides about `rays` rays among bins by a pool's density, or evenly when that is NULL: each bin gets one ray or more,
+// and a number that depends on its own density alone. Returns the number of all, at most OLX_GUIDE_BINS more than
+// `rays`, which is at most 255.
+uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]);
+// Maps a point of the unit square into a bin.
+olx_vec2 olx_guide_in_bin(uint32_t bin, olx_vec2 point);
+
 #endif

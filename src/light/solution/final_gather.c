@@ -83,7 +83,7 @@ typedef struct final_job {
 static void gather_some(void *user, uint32_t job) {
   const final_job *f = user;
   olx_scene_light *l = f->light;
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces, INFINITY};
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
   const uint32_t first = f->first + job * SURFELS_PER_JOB;
   const uint32_t end = first + SURFELS_PER_JOB < f->end ? first + SURFELS_PER_JOB : f->end;
   const uint32_t first_ray = (OLX_LIGHT_REFINEMENTS + l->gathering + 1) * OLX_LIGHT_MOST_RAYS;

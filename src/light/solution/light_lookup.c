@@ -3,6 +3,7 @@
 #include "light/solution/light_lookup.h"
 
 #include "core/sampling.h"
+#include "light/links/gathers.h"
 #include "light/solution/light_noise.h"
 
 enum {
@@ -32,11 +33,12 @@ olx_vec3 olx_light_gather(const olx_scene_light *l, const olx_surface *surface, 
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces,
-                                  MOST_OF_A_RAY * (float)(batches * OLX_GATHER_RAYS) * around};
+  const float most = MOST_OF_A_RAY * (float)batches * around;
+  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < batches; i++) {
-    sum = olx_add(sum, olx_links_gather(&l->surfels, surface, pool, i ? olx_hash2(seed, i) : seed, &light, row));
+    const uint32_t own = i ? olx_hash2(seed, i) : seed;
+    sum = olx_add(sum, olx_gather_at(&l->surfels, surface, pool, own, &light, most, row));
   }
   return olx_scale(sum, 1.0f / (float)batches);
 }

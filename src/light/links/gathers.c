@@ -1,0 +1,194 @@
+// Gathers the light of any surface by rays of its own: as many in each bin of directions as a guide says, each drawn
+// from its bin and its number there alone, so that rays stay the same where a guide changes slightly.
+#include "light/links/gathers.h"
+
+#include "core/chunk_file.h"
+#include "core/sampling.h"
+
+#include <string.h>
+
+enum {
+  LAMP_SAMPLES = OLX_GATHER_RAYS, // of surfaces near lamps
+  MOST_KINDS = UINT8_MAX + 1,
+  SALT_BIN = 0x42494E53
+};
+
+// The rays of a gather, bin by bin, and after them what surfaces near lamps bring.
+typedef struct gather {
+  uint8_t bins[OLX_GUIDE_BINS]; // rays in each bin
+  uint32_t rays;
+  olx_ray_end ends[OLX_GATHER_ENDS];
+} gather;
+
+// Returns a hash of everything that the rays of a gather are drawn from, but for how many there are in each bin.
+static uint64_t check_of(const olx_surface *surface, uint32_t seed) {
+  const uint64_t numbers = (uint64_t)surface->triangle << 32 | seed;
+  const olx_vec3 place[] = {surface->position, surface->geometric_normal, surface->shading_normal,
+                            olx_splat(surface->epsilon)};
+  const uint64_t hashes[] = {olx_content_hash(&numbers, sizeof numbers), olx_content_hash(place, sizeof place)};
+  return olx_content_hash(hashes, sizeof hashes);
+}
+
+// ---- What is kept
+
+// A kept gather, with its rays by number.
+typedef struct former_gather {
+  olx_kept_gather kept;
+  olx_gather_kind kinds[MOST_KINDS];
+  uint16_t now[OLX_GATHER_ENDS]; // each ray's number now; OLX_GATHER_ENDS: it is not reused
+} former_gather;
+
+// Returns whether a ray of a gather still holds, and gives its link the surfel's number of now.
+static bool still_holds(const olx_gather_row *row, const olx_gather_kind *kind, const olx_light_surfels *surfels,
+                        olx_link *link) {
+  if (kind->needs & row->changed || olx_link_end(link) == OLX_LINK_UNSERVED) return false;
+  if (row->earlier && olx_brick_sets_meet(&kind->crossed, &row->earlier->changed)) return false;
+  return olx_link_still_ends(link, NULL, row->earlier, surfels);
+}
+
+// Takes a ray over, without the light that it brings without its link, where it still holds.
+static void take_ray(olx_gather_row *row, const olx_light_surfels *surfels, former_gather *former, uint32_t before,
+                     uint32_t now, olx_ray_end *end) {
+  olx_link link = former->kept.links[before];
+  if (former->kept.kinds[before] >= former->kept.kind_count) return;
+  const olx_gather_kind *kind = &former->kinds[former->kept.kinds[before]];
+  if (!still_holds(row, kind, surfels, &link)) return;
+  *end = (olx_ray_end){.link = link, .needs = kind->needs, .crossed = kind->crossed, .known = true};
+  former->now[before] = (uint16_t)now;
+}
+
+static void take_lights(const former_gather *former, olx_ray_end *ends) {
+  for (uint32_t i = 0; i < former->kept.light_count; i++) {
+    const olx_gather_light *light = &former->kept.lights[i];
+    if (light->ray >= former->kept.end_count || light->surfaces >= OLX_CHAIN_MOST) continue;
+    const uint32_t now = former->now[light->ray];
+    if (now < OLX_GATHER_ENDS) ends[now].fixed[light->surfaces] = light->light;
+  }
+}
+
+// Fills in the ends of rays that were cast for another scene and still hold.
+static void take_former(olx_gather_row *row, uint64_t check, const olx_light_surfels *surfels, gather *g) {
+  former_gather former;
+  if (!olx_gather_row_find(row, check, &former.kept)) return;
+  if (!olx_gather_read_kinds(&former.kept, former.kinds)) return;
+  for (uint32_t i = 0; i < former.kept.end_count; i++) former.now[i] = OLX_GATHER_ENDS;
+  uint32_t before = 0, now = 0;
+  for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+    for (uint32_t i = 0; i < former.kept.bins[bin] && i < g->bins[bin]; i++) {
+      take_ray(row, surfels, &former, before + i, now + i, &g->ends[now + i]);
+      row->reused += g->ends[now + i].known;
+    }
+    before += former.kept.bins[bin];
+    now += g->bins[bin];
+  }
+  take_ray(row, surfels, &former, before, now, &g->ends[now]);
+  take_lights(&former, g->ends);
+}
+
+// Returns the number of a ray's kind, which it may add. The last kind is for all that find no other.
+static uint8_t kind_of(olx_gather_kind table[MOST_KINDS], uint32_t *count, const olx_ray_end *end) {
+  const olx_gather_kind wanted = {end->needs, end->crossed};
+  uint32_t i = *count;
+  while (i > 0 && memcmp(&table[i - 1], &wanted, sizeof wanted) != 0) i--;
+  if (i > 0) return (uint8_t)(i - 1);
+  if (*count < MOST_KINDS - 1) {
+    table[(*count)++] = wanted;
+  } else {
+    table[MOST_KINDS - 1] = (olx_gather_kind){.needs = UINT64_MAX};
+    *count = MOST_KINDS;
+  }
+  return (uint8_t)(*count - 1);
+}
+
+static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
+  olx_link links[OLX_GATHER_ENDS];
+  olx_gather_kind table[MOST_KINDS];
+  uint8_t kinds[OLX_GATHER_ENDS], bricks[MOST_KINDS * OLX_KIND_BYTES];
+  olx_gather_light lights[OLX_GATHER_ENDS * OLX_CHAIN_MOST];
+  uint64_t needs[MOST_KINDS];
+  olx_kept_gather kept = {.bins = g->bins,
+                          .links = links,
+                          .kinds = kinds,
+                          .needs = needs,
+                          .bricks = bricks,
+                          .lights = lights,
+                          .end_count = g->rays + 1};
+  for (uint32_t i = 0; i < kept.end_count; i++) {
+    links[i] = g->ends[i].link;
+    kinds[i] = kind_of(table, &kept.kind_count, &g->ends[i]);
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
+      const olx_vec3 light = g->ends[i].fixed[k];
+      if (olx_max3(light) == 0.0f) continue;
+      lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
+    }
+  }
+  for (uint32_t i = 0; i < kept.kind_count; i++) {
+    needs[i] = table[i].needs;
+    kept.brick_count += olx_gather_write_bricks(&table[i].crossed, bricks + kept.brick_count, &needs[i]);
+  }
+  olx_gather_row_keep(row, check, &kept);
+}
+
+// ---- Gathering
+
+static void cast_rays(const olx_ray_caster *caster, const olx_surface *surface, uint32_t seed, gather *g) {
+  olx_ray_draw draws[OLX_LINK_PACKET];
+  uint32_t drawn = 0, first = 0;
+  for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+    const uint32_t bin_seed = olx_hash3(seed, bin, SALT_BIN);
+    for (uint32_t i = 0; i < g->bins[bin]; i++) {
+      const olx_vec2 point = olx_guide_in_bin(bin, olx_stratified2(i, bin_seed));
+      draws[drawn++] = (olx_ray_draw){point, 1.0f, 0.0f, seed, i * OLX_GUIDE_BINS + bin};
+      if (drawn < OLX_LINK_PACKET) continue;
+      olx_ray_ends_cast(caster, surface, draws, drawn, g->ends + first);
+      first += drawn;
+      drawn = 0;
+    }
+  }
+  olx_ray_ends_cast(caster, surface, draws, drawn, g->ends + first);
+}
+
+static void sample_lamps(const olx_ray_caster *caster, const olx_surface *surface, uint32_t seed, olx_ray_end *end) {
+  if (end->known || caster->surfels->lamps.count == 0) return;
+  if (caster->log) caster->log->crossed = (olx_brick_set){0};
+  for (uint32_t i = 0; i < LAMP_SAMPLES; i++) {
+    olx_ray_end_add_lamps(caster, surface, 1.0f / LAMP_SAMPLES, seed, i, end);
+  }
+  if (caster->log) end->crossed = caster->log->crossed;
+}
+
+// Adds up the light of all rays: the mean over bins of the mean over each bin's rays.
+static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float most) {
+  olx_vec3 sum = {0};
+  const olx_ray_end *end = g->ends;
+  for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+    const float share = 1.0f / (float)(OLX_GUIDE_BINS * g->bins[bin]);
+    for (uint32_t i = 0; i < g->bins[bin]; i++) {
+      const olx_vec3 brought = olx_scale(olx_ray_end_light(end++, light), share);
+      const float luminance = olx_luminance(brought);
+      sum = olx_madd(sum, brought, luminance > most ? most / luminance : 1.0f);
+    }
+  }
+  return olx_add(sum, olx_ray_end_light(end, light));
+}
+
+olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
+                       uint32_t seed, const olx_passed_light *light, float most, olx_gather_row *row) {
+  olx_watched_surfels watched;
+  olx_ray_caster caster = {.surfels = surfels};
+  const uint64_t check = row ? check_of(surface, seed) : 0;
+  gather g;
+  g.rays = olx_guide_divide(pool, OLX_GATHER_RAYS, g.bins);
+  for (uint32_t i = 0; i <= g.rays; i++) g.ends[i] = olx_ray_end_none();
+  if (row) {
+    olx_ray_caster_watch(&caster, &watched);
+    take_former(row, check, surfels, &g);
+  }
+  cast_rays(&caster, surface, seed, &g);
+  sample_lamps(&caster, surface, seed, &g.ends[g.rays]);
+  if (row) {
+    keep(row, check, &g);
+    row->rays += g.rays;
+  }
+  return add_up(&g, light, most);
+}

@@ -5,8 +5,8 @@
 //
 // Without a file of probes (or with "-") the probes are those of the scene's grid.
 #include "core/parallel.h"
-#include "light/path.h"
 #include "light/links/ray_ends.h"
+#include "light/path.h"
 #include "light/scene_light.h"
 #include "light/solution/light_solution.h"
 #include "options.h"
@@ -146,10 +146,10 @@ static olx_vec3 cast_one(const olx_scene_light *l, const olx_surface *surface, c
   float density = 1.0f;
   olx_vec2 drawn = olx_stratified2(0, seed);
   if (pool) drawn = olx_guide_warp(pool, drawn, &density);
-  const olx_ray_draw draw = {drawn, 1.0f / density, 1.0f, seed, 0};
+  const olx_ray_draw draw = {drawn, seed, 0};
   olx_ray_end end = olx_ray_end_none();
   olx_ray_ends_cast(&caster, surface, &draw, 1, &end);
-  return olx_ray_end_light(&end, &light);
+  return olx_ray_end_light(&end, 1.0f / density, 1.0f, &light);
 }
 
 // Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the

@@ -7,17 +7,13 @@
 
 #include <string.h>
 
-enum {
-  LAMP_SAMPLES = OLX_GATHER_RAYS, // of surfaces near lamps
-  MOST_KINDS = UINT8_MAX + 1,
-  SALT_BIN = 0x42494E53
-};
+enum { MOST_KINDS = UINT8_MAX + 1 };
 
-// The rays of a gather, bin by bin, and after them what surfaces near lamps bring.
+// The rays of a gather, bin by bin.
 typedef struct gather {
   uint8_t bins[OLX_GUIDE_BINS]; // rays in each bin
   uint32_t rays;
-  olx_ray_end ends[OLX_GATHER_ENDS];
+  olx_ray_end ends[OLX_GATHER_MOST];
 } gather;
 
 // Returns a hash of everything that the rays of a gather are drawn from, but for how many there are in each bin.
@@ -35,7 +31,7 @@ static uint64_t check_of(const olx_surface *surface, uint32_t seed) {
 typedef struct former_gather {
   olx_kept_gather kept;
   olx_gather_kind kinds[MOST_KINDS];
-  uint16_t now[OLX_GATHER_ENDS]; // each ray's number now; OLX_GATHER_ENDS: it is not reused
+  uint16_t now[OLX_GATHER_MOST]; // each ray's number now; OLX_GATHER_MOST: it is not reused
 } former_gather;
 
 // Returns whether a ray of a gather still holds, and gives its link the surfel's number of now.
@@ -60,9 +56,9 @@ static void take_ray(olx_gather_row *row, const olx_light_surfels *surfels, form
 static void take_lights(const former_gather *former, olx_ray_end *ends) {
   for (uint32_t i = 0; i < former->kept.light_count; i++) {
     const olx_gather_light *light = &former->kept.lights[i];
-    if (light->ray >= former->kept.end_count || light->surfaces >= OLX_CHAIN_MOST) continue;
-    const uint32_t now = former->now[light->ray];
-    if (now < OLX_GATHER_ENDS) ends[now].fixed[light->surfaces] = light->light;
+    const uint32_t now = light->ray < former->kept.rays ? former->now[light->ray] : OLX_GATHER_MOST;
+    if (now == OLX_GATHER_MOST) continue;
+    *(light->surfaces < OLX_CHAIN_MOST ? &ends[now].fixed[light->surfaces] : &ends[now].near) = light->light;
   }
 }
 
@@ -71,7 +67,7 @@ static void take_former(olx_gather_row *row, uint64_t check, const olx_light_sur
   former_gather former;
   if (!olx_gather_row_find(row, check, &former.kept)) return;
   if (!olx_gather_read_kinds(&former.kept, former.kinds)) return;
-  for (uint32_t i = 0; i < former.kept.end_count; i++) former.now[i] = OLX_GATHER_ENDS;
+  for (uint32_t i = 0; i < former.kept.rays; i++) former.now[i] = OLX_GATHER_MOST;
   uint32_t before = 0, now = 0;
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     for (uint32_t i = 0; i < former.kept.bins[bin] && i < g->bins[bin]; i++) {
@@ -81,7 +77,6 @@ static void take_former(olx_gather_row *row, uint64_t check, const olx_light_sur
     before += former.kept.bins[bin];
     now += g->bins[bin];
   }
-  take_ray(row, surfels, &former, before, now, &g->ends[now]);
   take_lights(&former, g->ends);
 }
 
@@ -101,10 +96,10 @@ static uint8_t kind_of(olx_gather_kind table[MOST_KINDS], uint32_t *count, const
 }
 
 static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
-  olx_link links[OLX_GATHER_ENDS];
+  olx_link links[OLX_GATHER_MOST];
   olx_gather_kind table[MOST_KINDS];
-  uint8_t kinds[OLX_GATHER_ENDS], bricks[MOST_KINDS * OLX_KIND_BYTES];
-  olx_gather_light lights[OLX_GATHER_ENDS * OLX_CHAIN_MOST];
+  uint8_t kinds[OLX_GATHER_MOST], bricks[MOST_KINDS * OLX_KIND_BYTES];
+  olx_gather_light lights[OLX_GATHER_MOST * (OLX_CHAIN_MOST + 1)];
   uint64_t needs[MOST_KINDS];
   olx_kept_gather kept = {.bins = g->bins,
                           .links = links,
@@ -112,12 +107,12 @@ static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
                           .needs = needs,
                           .bricks = bricks,
                           .lights = lights,
-                          .end_count = g->rays + 1};
-  for (uint32_t i = 0; i < kept.end_count; i++) {
+                          .rays = g->rays};
+  for (uint32_t i = 0; i < kept.rays; i++) {
     links[i] = g->ends[i].link;
     kinds[i] = kind_of(table, &kept.kind_count, &g->ends[i]);
-    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
-      const olx_vec3 light = g->ends[i].fixed[k];
+    for (uint32_t k = 0; k <= OLX_CHAIN_MOST; k++) {
+      const olx_vec3 light = k < OLX_CHAIN_MOST ? g->ends[i].fixed[k] : g->ends[i].near;
       if (olx_max3(light) == 0.0f) continue;
       lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
     }
@@ -135,10 +130,8 @@ static void cast_rays(const olx_ray_caster *caster, const olx_surface *surface, 
   olx_ray_draw draws[OLX_LINK_PACKET];
   uint32_t drawn = 0, first = 0;
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
-    const uint32_t bin_seed = olx_hash3(seed, bin, SALT_BIN);
     for (uint32_t i = 0; i < g->bins[bin]; i++) {
-      const olx_vec2 point = olx_guide_in_bin(bin, olx_stratified2(i, bin_seed));
-      draws[drawn++] = (olx_ray_draw){point, 1.0f, 0.0f, seed, i * OLX_GUIDE_BINS + bin};
+      draws[drawn++] = olx_ray_draw_in_bin(seed, bin, i);
       if (drawn < OLX_LINK_PACKET) continue;
       olx_ray_ends_cast(caster, surface, draws, drawn, g->ends + first);
       first += drawn;
@@ -148,15 +141,6 @@ static void cast_rays(const olx_ray_caster *caster, const olx_surface *surface, 
   olx_ray_ends_cast(caster, surface, draws, drawn, g->ends + first);
 }
 
-static void sample_lamps(const olx_ray_caster *caster, const olx_surface *surface, uint32_t seed, olx_ray_end *end) {
-  if (end->known || caster->surfels->lamps.count == 0) return;
-  if (caster->log) caster->log->crossed = (olx_brick_set){0};
-  for (uint32_t i = 0; i < LAMP_SAMPLES; i++) {
-    olx_ray_end_add_lamps(caster, surface, 1.0f / LAMP_SAMPLES, seed, i, end);
-  }
-  if (caster->log) end->crossed = caster->log->crossed;
-}
-
 // Adds up the light of all rays: the mean over bins of the mean over each bin's rays.
 static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float most) {
   olx_vec3 sum = {0};
@@ -164,12 +148,12 @@ static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float mos
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     const float share = 1.0f / (float)(OLX_GUIDE_BINS * g->bins[bin]);
     for (uint32_t i = 0; i < g->bins[bin]; i++) {
-      const olx_vec3 brought = olx_scale(olx_ray_end_light(end++, light), share);
+      const olx_vec3 brought = olx_ray_end_light(end++, share, 1.0f / (float)g->rays, light);
       const float luminance = olx_luminance(brought);
       sum = olx_madd(sum, brought, luminance > most ? most / luminance : 1.0f);
     }
   }
-  return olx_add(sum, olx_ray_end_light(end, light));
+  return sum;
 }
 
 olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
@@ -179,13 +163,12 @@ olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surf
   const uint64_t check = row ? check_of(surface, seed) : 0;
   gather g;
   g.rays = olx_guide_divide(pool, OLX_GATHER_RAYS, g.bins);
-  for (uint32_t i = 0; i <= g.rays; i++) g.ends[i] = olx_ray_end_none();
+  for (uint32_t i = 0; i < g.rays; i++) g.ends[i] = olx_ray_end_none();
   if (row) {
     olx_ray_caster_watch(&caster, &watched);
     take_former(row, check, surfels, &g);
   }
   cast_rays(&caster, surface, seed, &g);
-  sample_lamps(&caster, surface, seed, &g.ends[g.rays]);
   if (row) {
     keep(row, check, &g);
     row->rays += g.rays;

@@ -16,14 +16,14 @@ static bool read_gather(olx_byte_reader *from, uint64_t *check, olx_kept_gather 
   gather->light_count = header->light_count;
   gather->brick_count = header->brick_count;
   gather->bins = olx_bytes_get(from, OLX_GUIDE_BINS, sizeof *gather->bins);
-  gather->end_count = 1;
-  for (uint32_t i = 0; gather->bins && i < OLX_GUIDE_BINS; i++) gather->end_count += gather->bins[i];
-  gather->links = olx_bytes_get(from, gather->end_count, sizeof *gather->links);
-  gather->kinds = olx_bytes_get(from, gather->end_count, sizeof *gather->kinds);
+  gather->rays = 0;
+  for (uint32_t i = 0; gather->bins && i < OLX_GUIDE_BINS; i++) gather->rays += gather->bins[i];
+  gather->links = olx_bytes_get(from, gather->rays, sizeof *gather->links);
+  gather->kinds = olx_bytes_get(from, gather->rays, sizeof *gather->kinds);
   gather->needs = olx_bytes_get(from, header->kind_count, sizeof *gather->needs);
   gather->bricks = olx_bytes_get(from, header->brick_count, 1);
   gather->lights = olx_bytes_get(from, header->light_count, sizeof *gather->lights);
-  return !from->failed && gather->end_count <= OLX_GATHER_ENDS;
+  return !from->failed && gather->rays <= OLX_GATHER_MOST;
 }
 
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather) {
@@ -41,8 +41,8 @@ void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gat
   const gather_header header = {check, gather->kind_count, gather->light_count, gather->brick_count, 0};
   olx_bytes_put(&row->kept, &header, 1, sizeof header);
   olx_bytes_put(&row->kept, gather->bins, OLX_GUIDE_BINS, sizeof *gather->bins);
-  olx_bytes_put(&row->kept, gather->links, gather->end_count, sizeof *gather->links);
-  olx_bytes_put(&row->kept, gather->kinds, gather->end_count, sizeof *gather->kinds);
+  olx_bytes_put(&row->kept, gather->links, gather->rays, sizeof *gather->links);
+  olx_bytes_put(&row->kept, gather->kinds, gather->rays, sizeof *gather->kinds);
   olx_bytes_put(&row->kept, gather->needs, gather->kind_count, sizeof *gather->needs);
   olx_bytes_put(&row->kept, gather->bricks, gather->brick_count, 1);
   olx_bytes_put(&row->kept, gather->lights, gather->light_count, sizeof *gather->lights);

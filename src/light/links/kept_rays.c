@@ -12,8 +12,8 @@ enum { MOST_CAST = UINT16_MAX }; // rays counted for one ray
 // What a unit's rays have in common. The slot OLX_INPUT_SURFELS of the inputs names the surfels.
 typedef struct kept_header {
   olx_scene_inputs inputs;
-  uint32_t count, rays, packets, guided; // surfels, 0 where nothing is kept; rays and packets of each; whether guided
-  uint32_t kinds, lights, unused[2];     // number of kinds of rays; 0: fill the struct
+  uint32_t count, rays, guided, kinds; // surfels, 0 where nothing is kept; rays of each; whether guided; kinds of rays
+  uint32_t lights, unused;             // 0: fills the struct
 } kept_header;
 
 // What rays of one kind depend on.
@@ -24,22 +24,22 @@ typedef struct ray_kind {
 
 // Light that a ray brings without its link.
 typedef struct kept_light {
-  uint32_t ray, surfaces; // index in the unit, and index in olx_kept_ray.fixed
+  uint32_t ray, surfaces; // index in the unit, and index in olx_kept_ray.fixed; OLX_CHAIN_MOST: olx_kept_ray.near
   olx_vec3 light;
 } kept_light;
 
-static uint32_t packets_of(uint32_t rays) { return (rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET; }
-
 olx_result olx_kept_rays_create(olx_kept_rays *kept, const olx_link_batch *batch) {
-  kept->checks = olx_allocate((size_t)batch->count * packets_of(batch->rays), sizeof *kept->checks);
+  kept->checks = olx_allocate(batch->count, sizeof *kept->checks);
   kept->rays = olx_allocate((size_t)batch->count * batch->rays, sizeof *kept->rays);
-  if (kept->checks && kept->rays) return OLX_OK;
+  if (batch->guide) kept->bins = olx_allocate((size_t)batch->count * OLX_GUIDE_BINS, sizeof *kept->bins);
+  if (kept->checks && kept->rays && (kept->bins || !batch->guide)) return OLX_OK;
   olx_kept_rays_free(kept);
   return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for what rays depend on");
 }
 
 void olx_kept_rays_free(olx_kept_rays *kept) {
   olx_release(kept->checks);
+  olx_release(kept->bins);
   olx_release(kept->rays);
   *kept = (olx_kept_rays){0};
 }
@@ -51,9 +51,10 @@ static bool has_light(olx_vec3 light) { return light.x != 0.0f || light.y != 0.0
 // The arrays that are saved beside the header.
 typedef struct kept_arrays {
   uint32_t *surfels;
-  uint32_t *kinds; // of each ray
-  ray_kind *table; // of kinds
-  uint16_t *cast;  // of each ray
+  uint32_t *kinds;   // of each ray
+  ray_kind *table;   // of kinds
+  uint16_t *cast;    // of each ray
+  uint32_t *weights; // of each ray's link, as in olx_kept_ray; NULL: those of links
   kept_light *lights;
 } kept_arrays;
 
@@ -62,6 +63,7 @@ static void free_arrays(kept_arrays *arrays) {
   olx_release(arrays->kinds);
   olx_release(arrays->table);
   olx_release(arrays->cast);
+  olx_release(arrays->weights);
   olx_release(arrays->lights);
 }
 
@@ -98,20 +100,25 @@ static bool fill_arrays(const olx_kept_rays *kept, const olx_link_batch *batch, 
                         kept_arrays *arrays) {
   const size_t rays = (size_t)batch->count * batch->rays;
   for (size_t i = 0; i < rays; i++) {
+    header->lights += has_light(kept->rays[i].near);
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) header->lights += has_light(kept->rays[i].fixed[k]);
   }
   arrays->surfels = olx_allocate(batch->count, sizeof *arrays->surfels);
   arrays->cast = olx_allocate(rays, sizeof *arrays->cast);
   arrays->lights = olx_allocate(header->lights, sizeof *arrays->lights);
-  if (!arrays->surfels || !arrays->cast || !arrays->lights || !make_kinds(kept, rays, header, arrays)) return false;
+  if (header->guided) arrays->weights = olx_allocate(rays, sizeof *arrays->weights);
+  if (!arrays->surfels || !arrays->cast || !arrays->lights || (header->guided && !arrays->weights)) return false;
+  if (!make_kinds(kept, rays, header, arrays)) return false;
   for (uint32_t n = 0; n < batch->count; n++) arrays->surfels[n] = olx_link_surfel(batch, n);
   uint32_t lights = 0;
   for (size_t i = 0; i < rays; i++) {
     const olx_kept_ray *ray = &kept->rays[i];
     arrays->cast[i] = (uint16_t)(ray->cast < MOST_CAST ? ray->cast : MOST_CAST);
+    if (arrays->weights) arrays->weights[i] = ray->weight;
     for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) {
       if (has_light(ray->fixed[k])) arrays->lights[lights++] = (kept_light){(uint32_t)i, k, ray->fixed[k]};
     }
+    if (has_light(ray->near)) arrays->lights[lights++] = (kept_light){(uint32_t)i, OLX_CHAIN_MOST, ray->near};
   }
   return true;
 }
@@ -124,17 +131,18 @@ void olx_kept_rays_save(const olx_kept_rays *kept, const olx_link_batch *batch, 
   if (kept->checks) {
     header.count = batch->count;
     header.rays = batch->rays;
-    header.packets = packets_of(batch->rays);
     header.guided = batch->guide != NULL;
     to->failed |= !fill_arrays(kept, batch, &header, &arrays);
   }
   olx_bytes_put(to, &header, 1, sizeof header);
   if (kept->checks && !to->failed) {
     olx_bytes_put(to, arrays.surfels, batch->count, sizeof *arrays.surfels);
-    olx_bytes_put(to, kept->checks, (size_t)batch->count * header.packets, sizeof *kept->checks);
+    olx_bytes_put(to, kept->checks, batch->count, sizeof *kept->checks);
+    if (header.guided) olx_bytes_put(to, kept->bins, (size_t)batch->count * OLX_GUIDE_BINS, sizeof *kept->bins);
     olx_bytes_put(to, arrays.kinds, rays, sizeof *arrays.kinds);
     olx_bytes_put(to, arrays.table, header.kinds, sizeof *arrays.table);
     olx_bytes_put(to, arrays.cast, rays, sizeof *arrays.cast);
+    if (header.guided) olx_bytes_put(to, arrays.weights, rays, sizeof *arrays.weights);
     olx_bytes_put(to, arrays.lights, header.lights, sizeof *arrays.lights);
   }
   free_arrays(&arrays);
@@ -150,13 +158,15 @@ typedef struct olx_former_unit {
   const kept_header *header;
   const uint32_t *surfels;
   const uint64_t *checks;
+  const uint16_t *bins; // NULL: rays are drawn evenly
   const uint32_t *kinds;
   const ray_kind *table;
   const uint16_t *cast;
+  const uint32_t *weights; // NULL: those of links
   const kept_light *lights;
   const olx_link *links;
   const olx_surface_point *points;
-  uint32_t *first_point, *first_light; // of each packet; owned
+  uint32_t *first_point, *first_light; // of each surfel; owned
 } olx_former_unit;
 
 static void read_kept(olx_byte_reader *from, olx_former_unit *unit) {
@@ -165,10 +175,12 @@ static void read_kept(olx_byte_reader *from, olx_former_unit *unit) {
   const kept_header *h = unit->header;
   const size_t rays = (size_t)h->count * h->rays;
   unit->surfels = olx_bytes_get(from, h->count, sizeof *unit->surfels);
-  unit->checks = olx_bytes_get(from, (size_t)h->count * h->packets, sizeof *unit->checks);
+  unit->checks = olx_bytes_get(from, h->count, sizeof *unit->checks);
+  if (h->guided) unit->bins = olx_bytes_get(from, (size_t)h->count * OLX_GUIDE_BINS, sizeof *unit->bins);
   unit->kinds = olx_bytes_get(from, rays, sizeof *unit->kinds);
   unit->table = olx_bytes_get(from, h->kinds, sizeof *unit->table);
   unit->cast = olx_bytes_get(from, rays, sizeof *unit->cast);
+  if (h->guided) unit->weights = olx_bytes_get(from, rays, sizeof *unit->weights);
   unit->lights = olx_bytes_get(from, h->lights, sizeof *unit->lights);
 }
 
@@ -214,21 +226,19 @@ static olx_result judge_kinds(olx_former_unit *unit, const olx_former_rays *form
   return OLX_OK;
 }
 
-// Finds the first point and the first light of each packet.
-static olx_result number_packets(olx_former_unit *unit) {
+// Finds the first point and the first light of each surfel.
+static olx_result number_surfels(olx_former_unit *unit) {
   const kept_header *h = unit->header;
-  const size_t packets = (size_t)h->count * h->packets;
   uint32_t point = 0, light = 0;
-  unit->first_point = olx_allocate(packets, sizeof *unit->first_point);
-  unit->first_light = olx_allocate(packets, sizeof *unit->first_light);
+  unit->first_point = olx_allocate(h->count, sizeof *unit->first_point);
+  unit->first_light = olx_allocate(h->count, sizeof *unit->first_light);
   if (!unit->first_point || !unit->first_light) {
-    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %zu packets", packets);
+    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", h->count);
   }
   for (size_t i = 0; i < (size_t)h->count * h->rays; i++) {
-    const size_t packet = i / h->rays * h->packets + i % h->rays / OLX_LINK_PACKET;
-    if (i % h->rays % OLX_LINK_PACKET == 0) {
-      unit->first_point[packet] = point;
-      unit->first_light[packet] = light;
+    if (i % h->rays == 0) {
+      unit->first_point[i / h->rays] = point;
+      unit->first_light[i / h->rays] = light;
     }
     while (light < h->lights && unit->lights[light].ray == i) light++;
     point += olx_link_end(&unit->links[i]) == OLX_LINK_UNSERVED;
@@ -269,7 +279,7 @@ static uint32_t caster_of(const olx_former_rays *former, const olx_former_unit *
 static olx_result add_unit(olx_former_rays *former, olx_former_unit *unit) {
   OLX_TRY(allocate_places(former));
   OLX_TRY(judge_kinds(unit, former));
-  OLX_TRY(number_packets(unit));
+  OLX_TRY(number_surfels(unit));
   OLX_TRY(grow_units(former));
   former->units[former->unit_count++] = *unit;
   for (uint32_t n = 0; n < unit->header->count; n++) {
@@ -297,34 +307,51 @@ void olx_former_rays_free(olx_former_rays *former) {
   *former = (olx_former_rays){0};
 }
 
-olx_former_packet olx_former_rays_find(const olx_former_rays *former, uint32_t surfel, uint32_t packet,
-                                       uint64_t check) {
-  if (!former || !former->place || former->place[2 * (size_t)surfel] == 0) return (olx_former_packet){0};
+olx_former_surfel olx_former_rays_find(const olx_former_rays *former, uint32_t surfel, uint64_t check) {
+  if (!former || !former->place || former->place[2 * (size_t)surfel] == 0) return (olx_former_surfel){0};
   const olx_former_unit *unit = &former->units[former->place[2 * (size_t)surfel] - 1];
-  const size_t n = former->place[2 * (size_t)surfel + 1];
-  if (packet >= unit->header->packets) return (olx_former_packet){0};
-  const size_t number = n * unit->header->packets + packet;
-  if (unit->checks[number] != check) return (olx_former_packet){0};
-  return (olx_former_packet){.rays = former,
+  const size_t n = former->place[2 * (size_t)surfel + 1], first = n * unit->header->rays;
+  if (unit->checks[n] != check) return (olx_former_surfel){0};
+  return (olx_former_surfel){.rays = former,
                              .unit = unit,
-                             .at = n * unit->header->rays + (size_t)packet * OLX_LINK_PACKET,
-                             .point = unit->first_point[number],
-                             .light = unit->first_light[number]};
+                             .bins = unit->bins ? unit->bins + n * OLX_GUIDE_BINS : NULL,
+                             .first = first,
+                             .at = first,
+                             .point = unit->first_point[n],
+                             .light = unit->first_light[n]};
 }
 
-olx_former_ray olx_former_packet_next(olx_former_packet *p) {
-  const olx_former_unit *unit = p->unit;
-  const size_t at = p->at++;
-  const uint32_t kind = unit->kinds[at];
-  olx_former_ray ray = {.link = unit->links[at], .point = &unit->points[p->point]};
+static uint32_t rays_in_bin(const olx_former_surfel *f) {
+  if (f->bins) return f->bins[f->bin];
+  return f->bin == 0 ? f->unit->header->rays : 0;
+}
+
+static void pass_ray(olx_former_surfel *f) {
+  f->point += olx_link_end(&f->unit->links[f->at]) == OLX_LINK_UNSERVED;
+  while (f->light < f->unit->header->lights && f->unit->lights[f->light].ray == f->at) f->light++;
+  f->at++;
+}
+
+static void add_lights(const olx_former_surfel *f, olx_kept_ray *kept) {
+  const olx_former_unit *unit = f->unit;
+  for (uint32_t i = f->light; i < unit->header->lights && unit->lights[i].ray == f->at; i++) {
+    const kept_light *light = &unit->lights[i];
+    *(light->surfaces < OLX_CHAIN_MOST ? &kept->fixed[light->surfaces] : &kept->near) = light->light;
+  }
+}
+
+olx_former_ray olx_former_ray_at(olx_former_surfel *f, olx_ray_place place) {
+  const olx_former_unit *unit = f->unit;
+  for (; f->bin < place.bin; f->bin++) f->first += rays_in_bin(f);
+  if (place.number >= rays_in_bin(f)) return (olx_former_ray){0};
+  while (f->at < f->first + place.number) pass_ray(f);
+  const uint32_t kind = unit->kinds[f->at];
+  olx_former_ray ray = {.link = unit->links[f->at], .point = &unit->points[f->point]};
+  if (unit->weights) ray.link.weight = unit->weights[f->at];
   ray.kept.needs = unit->table[kind].needs;
   ray.kept.crossed = unit->table[kind].crossed;
-  ray.kept.cast = unit->cast[at];
-  p->point += olx_link_end(&ray.link) == OLX_LINK_UNSERVED;
-  for (; p->light < unit->header->lights && unit->lights[p->light].ray == at; p->light++) {
-    const kept_light *light = &unit->lights[p->light];
-    ray.kept.fixed[light->surfaces] = light->light;
-  }
-  ray.holds = unit->holds[kind] && olx_link_still_ends(&ray.link, ray.point, unit->earlier, p->rays->now);
+  ray.kept.cast = unit->cast[f->at];
+  add_lights(f, &ray.kept);
+  ray.holds = unit->holds[kind] && olx_link_still_ends(&ray.link, ray.point, unit->earlier, f->rays->now);
   return ray;
 }

@@ -1,8 +1,8 @@
 // What rays found, kept with what they depend on, so that after an edit of the scene a ray is cast again only where it
 // would find something else.
 //
-// The rays of a packet are the same as before when its check is, which covers everything that they are drawn from. A
-// ray finds the same when no material that it met has changed, nor any emitter where it looked for light, nor geometry
+// The rays of a surfel are the same as before when its check is, which covers everything that they are drawn from but
+// their number: a guide changes only how many there are in each of its bins (ray_guide.h). A ray finds the same when no material that it met has changed, nor any emitter where it looked for light, nor geometry
 // in a brick of space that it crossed, nor the surfels where it ended (former_surfels.h).
 #ifndef OLX_LIGHT_KEPT_RAYS_H
 #define OLX_LIGHT_KEPT_RAYS_H
@@ -14,13 +14,16 @@
 typedef struct olx_kept_ray {
   uint64_t needs;                 // slots of olx_scene_inputs
   olx_brick_set crossed;          // bricks that it and those that it continued as crossed, and those to lights
-  olx_vec3 fixed[OLX_CHAIN_MOST]; // as in olx_fixed_light, without the factor pi
+  olx_vec3 fixed[OLX_CHAIN_MOST]; // as in olx_ray_end
+  olx_vec3 near;                  // the same
+  uint32_t weight;                // of its link, if it counts as one of evenly drawn rays
   uint32_t cast;                  // rays cast in all, with those that it continued as and those to lights
 } olx_kept_ray;
 
 // The rays of a unit, while it is cast.
 typedef struct olx_kept_rays {
-  uint64_t *checks;   // one for each packet of each surfel; NULL: nothing is kept
+  uint64_t *checks;   // one for each surfel; NULL: nothing is kept
+  uint16_t *bins;     // OLX_GUIDE_BINS for each surfel, with its rays in each bin; NULL: rays are drawn evenly
   olx_kept_ray *rays; // one for each link
 } olx_kept_rays;
 
@@ -47,13 +50,15 @@ typedef struct olx_former_rays {
 olx_result olx_former_rays_add(olx_former_rays *former, void *data, size_t size_bytes);
 void olx_former_rays_free(olx_former_rays *former);
 
-// A packet for another scene, as an iterator over its rays.
-typedef struct olx_former_packet {
+// The rays of a surfel for another scene, as an iterator.
+typedef struct olx_former_surfel {
   const olx_former_rays *rays;
-  const struct olx_former_unit *unit; // NULL: there is none with the same rays
-  size_t at;                          // the next ray in the unit
+  const struct olx_former_unit *unit; // NULL: there are none that are drawn the same
+  const uint16_t *bins;               // rays in each bin; NULL: all are in the first
+  uint32_t bin;                       // of the ray that was asked for last
+  size_t first, at;                   // the first ray of this bin, and the next ray, in the unit
   uint32_t point, light;              // the next point without a surfel, and the next light
-} olx_former_packet;
+} olx_former_surfel;
 
 // What a ray found.
 typedef struct olx_former_ray {
@@ -63,9 +68,9 @@ typedef struct olx_former_ray {
   olx_kept_ray kept;
 } olx_former_ray;
 
-// Finds packet number `packet` of a surfel, if its check is the same. former may be NULL.
-olx_former_packet olx_former_rays_find(const olx_former_rays *former, uint32_t surfel, uint32_t packet, uint64_t check);
-// Returns the next ray of a packet, which has one.
-olx_former_ray olx_former_packet_next(olx_former_packet *packet);
+// Finds the rays of a surfel, if their check is the same. former may be NULL.
+olx_former_surfel olx_former_rays_find(const olx_former_rays *former, uint32_t surfel, uint64_t check);
+// Returns the ray at a place, which is behind those that were asked for before. It does not hold where there is none.
+olx_former_ray olx_former_ray_at(olx_former_surfel *surfel, olx_ray_place place);
 
 #endif

@@ -6,6 +6,8 @@
 #include "core/result.h"
 #include "light/links/kept_rays.h"
 
+#include <string.h>
+
 enum { SURFELS_PER_JOB = 8, SALT_RAY = 0x52415953, SALT_UNSERVED = 0x554E5356 };
 
 typedef struct cast_job {
@@ -34,91 +36,83 @@ static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point
   list->points[list->count++] = *point;
 }
 
-// How the rays of a surfel are drawn: by a pool's density, or evenly without one.
-typedef struct ray_plan {
-  const olx_ray_pool *pool;
-  float factor; // on what all rays bring
-  uint32_t seed;
-} ray_plan;
-
-static olx_ray_draw draw_of(const ray_plan *plan, uint32_t index) {
-  olx_vec2 point = olx_stratified2(index, plan->seed);
-  float density = 1.0f;
-  if (plan->pool) point = olx_guide_warp(plan->pool, point, &density);
-  return (olx_ray_draw){point, plan->factor / density, plan->factor, plan->seed, index};
-}
-
-// Casts up to OLX_LINK_PACKET rays of a surfel, from index `first` on, but for those whose ends are known.
-static void cast_packet(const olx_ray_caster *caster, const olx_surface *surface, const ray_plan *plan, uint32_t first,
-                        uint32_t count, olx_ray_end *ends) {
-  olx_ray_draw draws[OLX_LINK_PACKET];
-  for (uint32_t i = 0; i < count; i++) draws[i] = draw_of(plan, first + i);
-  olx_ray_ends_cast(caster, surface, draws, count, ends);
-}
-
-// Adds the light that a ray brings without its link, and returns its luminance times pi.
-static float add_fixed(olx_fixed_light *fixed, const olx_ray_end *end) {
-  float luminance = 0.0f;
-  for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
-    fixed->sum[i] = olx_madd(fixed->sum[i], end->fixed[i], OLX_PI);
-    luminance += OLX_PI * olx_luminance(end->fixed[i]);
-  }
-  fixed->square += luminance * luminance;
-  return luminance;
-}
-
 static uint32_t seed_of(const olx_light_surfels *s, uint32_t surfel) {
   const uint64_t cell = s->surfels[surfel].cell;
   return olx_hash3(s->seed ^ (uint32_t)cell, (uint32_t)(cell >> 32), SALT_RAY);
-}
-
-void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
-                    olx_fixed_light *fixed, uint64_t *rays) {
-  const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
-  olx_link *link = &batch->links[i];
-  const uint32_t seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED);
-  const olx_vec3 weight = olx_rgb9e5_unpack(link->weight);
-  const olx_ray_end end = olx_ray_end_go_on(surfels, surface, olx_link_chain(link), weight, seed, ray, rays);
-  const float luminance = add_fixed(&fixed[surfel], &end);
-  if (batch->fixed) batch->fixed[i] += luminance;
-  *link = end.link;
 }
 
 olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, uint32_t ray) {
   return olx_stratified2(ray, seed_of(surfels, surfel));
 }
 
+// The rays of a surfel in a batch: evenly drawn, or as many in each bin as a guide draws there.
+typedef struct ray_plan {
+  const olx_ray_pool *pool;      // NULL: evenly
+  float worth;                   // of each ray, in rays of even density
+  uint32_t seed, first;          // index of the first ray in the sequence of all batches
+  uint16_t bins[OLX_GUIDE_BINS]; // rays in each bin; evenly drawn ones are all in the first
+} ray_plan;
+
 static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch, uint32_t surfel) {
-  return (ray_plan){.pool = batch->guide ? &batch->guide->pools[batch->guide->pool_of[surfel]] : NULL,
-                    .factor = olx_link_worth(batch, surfel),
-                    .seed = seed_of(s, surfel)};
+  ray_plan plan = {.pool = batch->guide ? &batch->guide->pools[batch->guide->pool_of[surfel]] : NULL,
+                   .worth = olx_link_worth(batch, surfel),
+                   .seed = seed_of(s, surfel),
+                   .first = batch->first_ray};
+  if (plan.pool) olx_guide_count(plan.pool, plan.seed, plan.first, batch->rays, plan.bins);
+  else plan.bins[0] = (uint16_t)batch->rays;
+  return plan;
 }
 
-// Returns a hash of everything that the rays of a surfel are drawn from, but for the surfel itself.
+static olx_ray_draw draw_of(const ray_plan *plan, olx_ray_place place) {
+  if (plan->pool) return olx_ray_draw_in_bin(olx_hash2(plan->seed, plan->first), place.bin, place.number);
+  const uint32_t index = plan->first + place.number;
+  return (olx_ray_draw){olx_stratified2(index, plan->seed), plan->seed, index};
+}
+
+// Rays that are cast together.
+typedef struct ray_packet {
+  uint32_t count;
+  olx_ray_place places[OLX_LINK_PACKET];
+  olx_ray_draw draws[OLX_LINK_PACKET];
+  float factors[OLX_LINK_PACKET]; // on the light that they bring
+  olx_ray_end ends[OLX_LINK_PACKET];
+} ray_packet;
+
+// Draws the next rays of a plan, from a place on, which moves behind them.
+static void draw_packet(const ray_plan *plan, olx_ray_place *next, ray_packet *packet) {
+  packet->count = 0;
+  for (; next->bin < OLX_GUIDE_BINS; next->bin++, next->number = 0) {
+    for (; next->number < plan->bins[next->bin]; next->number++) {
+      if (packet->count == OLX_LINK_PACKET) return;
+      const uint32_t i = packet->count++;
+      packet->places[i] = *next;
+      packet->draws[i] = draw_of(plan, *next);
+      packet->factors[i] = plan->pool ? plan->worth / plan->pool->density[next->bin] : plan->worth;
+      packet->ends[i] = olx_ray_end_none();
+    }
+  }
+}
+
+// Returns a hash of everything that the rays of a surfel are drawn from, but for the surfel itself and the number of
+// rays.
 static uint64_t check_of(const cast_job *c, const ray_plan *plan) {
-  if (!c->keeping.kept) return 0;
-  const uint64_t numbers[] = {plan->pool ? olx_content_hash(plan->pool, sizeof *plan->pool) : 0,
-                              (uint64_t)plan->seed << 1 | (c->lists != NULL)};
-  return olx_content_hash(numbers, sizeof numbers);
-}
-
-static uint64_t check_of_packet(uint64_t check, uint32_t first, uint32_t count) {
-  const uint64_t numbers[] = {check, (uint64_t)first << 32 | count};
+  const uint64_t numbers[] = {(uint64_t)plan->seed << 1 | (c->lists != NULL),
+                              (uint64_t)plan->first << 1 | (plan->pool != NULL)};
   return olx_content_hash(numbers, sizeof numbers);
 }
 
 // Fills in the ends of the packet's rays that were cast for another scene and still hold.
-static void take_former(const cast_job *c, uint32_t surfel, uint32_t packet, uint64_t check, uint32_t count,
-                        olx_ray_end *ends) {
-  olx_former_packet former = olx_former_rays_find(c->keeping.former, surfel, packet, check);
+static void take_former(const cast_job *c, olx_former_surfel *former, ray_packet *packet) {
   uint64_t reused = 0;
-  for (uint32_t i = 0; former.unit && i < count; i++) {
-    const olx_former_ray ray = olx_former_packet_next(&former);
+  for (uint32_t i = 0; former->unit && i < packet->count; i++) {
+    const olx_former_ray ray = olx_former_ray_at(former, packet->places[i]);
+    olx_ray_end *end = &packet->ends[i];
     if (!ray.holds) continue;
-    ends[i] = (olx_ray_end){.link = ray.link, .needs = ray.kept.needs, .cast = ray.kept.cast, .known = true};
-    ends[i].crossed = ray.kept.crossed;
-    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ends[i].fixed[k] = ray.kept.fixed[k];
-    if (olx_ray_end_is_unserved(&ends[i])) ends[i].point = *ray.point;
+    *end = (olx_ray_end){.link = ray.link, .needs = ray.kept.needs, .cast = ray.kept.cast, .known = true};
+    end->crossed = ray.kept.crossed;
+    end->near = ray.kept.near;
+    for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) end->fixed[k] = ray.kept.fixed[k];
+    if (olx_ray_end_is_unserved(end)) end->point = *ray.point;
     reused += ray.kept.cast;
   }
   if (reused) atomic_fetch_add_explicit(c->keeping.reused, reused, memory_order_relaxed);
@@ -128,61 +122,102 @@ static void keep_end(const cast_job *c, size_t at, const olx_ray_end *end) {
   olx_kept_ray *ray = &c->keeping.kept->rays[at];
   ray->needs = end->needs;
   ray->crossed = end->crossed;
+  ray->weight = end->link.weight;
   ray->cast = (uint32_t)end->cast;
+  ray->near = end->near;
   for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) ray->fixed[k] = end->fixed[k];
+}
+
+static void keep_plan(const cast_job *c, uint32_t n, uint64_t check, const ray_plan *plan) {
+  olx_kept_rays *kept = c->keeping.kept;
+  kept->checks[n] = check;
+  if (plan->pool) memcpy(kept->bins + (size_t)n * OLX_GUIDE_BINS, plan->bins, sizeof plan->bins);
+}
+
+// Adds the light that a ray brings without its link, and returns its luminance times pi.
+static float add_fixed(olx_fixed_light *fixed, const olx_ray_end *end, float factor, float near_factor) {
+  float luminance = 0.0f;
+  for (uint32_t i = 0; i < OLX_CHAIN_MOST; i++) {
+    olx_vec3 light = olx_scale(end->fixed[i], factor);
+    if (i == 0) light = olx_madd(light, end->near, near_factor);
+    fixed->sum[i] = olx_madd(fixed->sum[i], light, OLX_PI);
+    luminance += OLX_PI * olx_luminance(light);
+  }
+  fixed->square += luminance * luminance;
+  return luminance;
+}
+
+static olx_link scale_link(olx_link link, float factor) {
+  if (factor != 1.0f) link.weight = olx_rgb9e5_pack(olx_scale(olx_rgb9e5_unpack(link.weight), factor));
+  return link;
+}
+
+// Records what the rays of a packet found, as rays `first` to `first` + packet->count - 1 of surfel n of the batch.
+static void record(cast_job *c, uint32_t job, uint32_t n, uint32_t first, const ray_plan *plan,
+                   const ray_packet *packet) {
+  olx_link_batch *batch = c->batch;
+  for (uint32_t i = 0; i < packet->count; i++) {
+    const size_t at = (size_t)n * batch->rays + first + i;
+    const olx_ray_end *end = &packet->ends[i];
+    batch->links[at] = scale_link(end->link, packet->factors[i]);
+    const float fixed = add_fixed(&c->fixed[olx_link_surfel(batch, n)], end, packet->factors[i], plan->worth);
+    if (batch->fixed) batch->fixed[at] = fixed;
+    if (c->lists && olx_ray_end_is_unserved(end)) add_point(c, &c->lists[job], &end->point);
+    c->rays[job] += end->cast;
+    if (c->keeping.kept) keep_end(c, at, end);
+  }
 }
 
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->caster.surfels;
-  olx_link_batch *batch = c->batch;
-  const uint32_t number = olx_link_surfel(batch, n);
-  const olx_light_surfel *surfel = &s->surfels[number];
-  const olx_surface surface = olx_surface_point_surface(s->scene, &surfel->point);
-  const ray_plan plan = plan_of(s, batch, number);
+  const uint32_t number = olx_link_surfel(c->batch, n);
+  const olx_surface surface = olx_surface_point_surface(s->scene, &s->surfels[number].point);
+  const ray_plan plan = plan_of(s, c->batch, number);
   const uint64_t check = check_of(c, &plan);
-  const uint32_t packets = (batch->rays + OLX_LINK_PACKET - 1) / OLX_LINK_PACKET;
-  for (uint32_t k = 0; k < packets; k++) {
-    const uint32_t first = k * OLX_LINK_PACKET, left = batch->rays - first;
-    const uint32_t count = left < OLX_LINK_PACKET ? left : OLX_LINK_PACKET;
-    olx_ray_end ends[OLX_LINK_PACKET];
-    for (uint32_t i = 0; i < count; i++) ends[i] = olx_ray_end_none();
-    if (c->keeping.kept) {
-      const uint64_t own = check_of_packet(check, batch->first_ray + first, count);
-      c->keeping.kept->checks[(size_t)n * packets + k] = own;
-      take_former(c, number, k, own, count, ends);
-    }
-    cast_packet(&c->caster, &surface, &plan, batch->first_ray + first, count, ends);
-    for (uint32_t i = 0; i < count; i++) {
-      const size_t at = (size_t)n * batch->rays + first + i;
-      batch->links[at] = ends[i].link;
-      const float fixed = add_fixed(&c->fixed[number], &ends[i]);
-      if (batch->fixed) batch->fixed[at] = fixed;
-      if (c->lists && olx_ray_end_is_unserved(&ends[i])) add_point(c, &c->lists[job], &ends[i].point);
-      c->rays[job] += ends[i].cast;
-      if (c->keeping.kept) keep_end(c, at, &ends[i]);
-    }
+  olx_former_surfel former = olx_former_rays_find(c->keeping.former, number, check);
+  olx_ray_place next = {0};
+  ray_packet packet;
+  if (c->keeping.kept) keep_plan(c, n, check, &plan);
+  for (uint32_t first = 0; first < c->batch->rays; first += packet.count) {
+    draw_packet(&plan, &next, &packet);
+    take_former(c, &former, &packet);
+    olx_ray_ends_cast(&c->caster, &surface, packet.draws, packet.count, packet.ends);
+    record(c, job, n, first, &plan, &packet);
   }
+}
+
+void olx_link_go_on(const olx_light_surfels *surfels, olx_link_batch *batch, size_t i, const olx_surface *surface,
+                    olx_fixed_light *fixed, uint64_t *rays) {
+  const uint32_t surfel = olx_link_surfel(batch, (uint32_t)(i / batch->rays)), ray = (uint32_t)(i % batch->rays);
+  olx_link *link = &batch->links[i];
+  const uint32_t seed = olx_hash2(seed_of(surfels, surfel), SALT_UNSERVED);
+  const olx_vec3 weight = olx_rgb9e5_unpack(link->weight);
+  const olx_ray_end end = olx_ray_end_go_on(surfels, surface, olx_link_chain(link), weight, seed, ray, rays);
+  const float luminance = add_fixed(&fixed[surfel], &end, 1.0f, 0.0f);
+  if (batch->fixed) batch->fixed[i] += luminance;
+  *link = end.link;
 }
 
 olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
                              uint32_t first, uint32_t count, const olx_passed_light *light, uint64_t *rays) {
-  const olx_ray_caster c = {.surfels = surfels};
-  const olx_link_batch batch = {.guide = guide};
+  const olx_ray_caster caster = {.surfels = surfels};
+  const olx_link_batch batch = {.guide = guide, .first_ray = first, .rays = count};
   const ray_plan plan = plan_of(surfels, &batch, surfel);
   const olx_surface surface = olx_surface_point_surface(surfels->scene, &surfels->surfels[surfel].point);
-  olx_ray_sum sum = {.worth = plan.factor * (float)count};
+  olx_ray_sum sum = {.worth = plan.worth * (float)count};
   double mean = 0.0, square = 0.0;
-  for (uint32_t done = 0; done < count; done += OLX_LINK_PACKET) {
-    const uint32_t packet = count - done < OLX_LINK_PACKET ? count - done : OLX_LINK_PACKET;
-    olx_ray_end ends[OLX_LINK_PACKET] = {0};
-    cast_packet(&c, &surface, &plan, first + done, packet, ends);
-    for (uint32_t i = 0; i < packet; i++) {
-      const olx_vec3 brought = olx_ray_end_light(&ends[i], light);
+  olx_ray_place next = {0};
+  ray_packet packet;
+  for (uint32_t done = 0; done < count; done += packet.count) {
+    draw_packet(&plan, &next, &packet);
+    olx_ray_ends_cast(&caster, &surface, packet.draws, packet.count, packet.ends);
+    for (uint32_t i = 0; i < packet.count; i++) {
+      const olx_vec3 brought = olx_ray_end_light(&packet.ends[i], packet.factors[i], plan.worth, light);
       const double luminance = (double)olx_luminance(brought);
       sum.light = olx_add(sum.light, brought);
       mean += luminance / count;
       square += luminance * luminance;
-      *rays += ends[i].cast;
+      *rays += packet.ends[i].cast;
     }
   }
   sum.squares = (float)fmax(0.0, square - count * mean * mean);

@@ -72,14 +72,15 @@ static void cast_on(const olx_ray_caster *c, way *w, const olx_surface *surface,
   w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
 }
 
-void olx_ray_end_add_lamps(const olx_ray_caster *c, const olx_surface *surface, float factor, uint32_t seed,
-                           uint32_t index, olx_ray_end *end) {
+// Takes a sample of the light that surfaces near lamps send to the start of a ray.
+static void sample_lamps(const olx_ray_caster *c, const olx_surface *surface, const olx_ray_draw *draw,
+                         olx_ray_end *end) {
   const olx_near_lamps *lamps = &c->surfels->lamps;
   if (lamps->count == 0) return;
-  olx_sampler sampler = {.seed = olx_hash2(seed, SALT_LAMPS), .index = index};
+  olx_sampler sampler = {.seed = olx_hash2(draw->seed, SALT_LAMPS), .index = draw->index};
   end->needs |= lights_needed | lamps->needs;
   const olx_vec3 irradiance = olx_lamp_irradiance(lamps, c->surfels->scene, surface, &sampler, &end->cast);
-  add_light(end, 1, olx_scale(irradiance, factor / OLX_PI));
+  end->near = olx_scale(irradiance, 1.0f / OLX_PI);
 }
 
 // Returns the radii of lamps whose direct light the end of a ray leaves out, because points near the lamps stand for
@@ -201,7 +202,7 @@ static void follow_first(const olx_ray_caster *c, const olx_ray_draw *draw, cons
                          olx_ray_end *end) {
   way w = {.lobe = {.direction = ray->direction},
            .origin = ray->origin,
-           .throughput = olx_splat(draw->factor),
+           .throughput = olx_splat(1.0f),
            .hit = *hit,
            .distance = hit->t,
            .sampler = {.seed = olx_hash2(draw->seed, SALT_CHAIN), .index = draw->index}};
@@ -214,7 +215,7 @@ static olx_ray_end find_end(const olx_ray_caster *c, const olx_surface *surface,
   const bool valid = ray->t_max >= 0.0f;
   end.cast = 1;
   if (c->log) log_first(c->log, ray, valid ? hit : NULL);
-  if (draw->lamp_factor > 0.0f) olx_ray_end_add_lamps(c, surface, draw->lamp_factor, draw->seed, draw->index, &end);
+  sample_lamps(c, surface, draw, &end);
   if (valid) follow_first(c, draw, ray, hit, &end);
   if (c->log) end.crossed = c->log->crossed;
   return end;
@@ -248,11 +249,13 @@ olx_ray_end olx_ray_end_go_on(const olx_light_surfels *surfels, const olx_surfac
   return end;
 }
 
-olx_vec3 olx_ray_end_light(const olx_ray_end *end, const olx_passed_light *light) {
-  olx_vec3 sum = {0};
+olx_vec3 olx_ray_end_light(const olx_ray_end *end, float factor, float near_factor, const olx_passed_light *light) {
+  olx_vec3 sum = {0}, near = light->bounces > 0 ? end->near : (olx_vec3){0};
   for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_madd(sum, end->fixed[k], OLX_PI);
-  if (!olx_link_brings_light(&end->link)) return sum;
-  const uint32_t at = olx_link_end(&end->link);
-  const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
-  return olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
+  if (olx_link_brings_light(&end->link)) {
+    const uint32_t at = olx_link_end(&end->link);
+    const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
+    sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
+  }
+  return olx_madd(olx_scale(sum, factor), near, near_factor * OLX_PI);
 }

@@ -2,9 +2,12 @@
 #ifndef OLX_LIGHT_RAY_ENDS_H
 #define OLX_LIGHT_RAY_ENDS_H
 
+#include "core/sampling.h"
 #include "light/links/link_batch.h"
 #include "scene/bvh.h"
 #include "scene/space_bricks.h"
+
+enum { OLX_SALT_BIN = 0x42494E53 };
 
 // What rays are cast with.
 typedef struct olx_ray_caster {
@@ -27,16 +30,21 @@ void olx_ray_caster_watch(olx_ray_caster *caster, olx_watched_surfels *watched);
 // How a ray is drawn.
 typedef struct olx_ray_draw {
   olx_vec2 point;       // of the unit square, which stands for a cosine-distributed direction about the shading normal
-  float factor;         // on the light that the ray brings
-  float lamp_factor;    // on the light of surfaces near lamps, of which the ray draws a sample; 0: it draws none
   uint32_t seed, index; // of the random numbers beyond the first surface
 } olx_ray_draw;
 
-// What one ray brings.
+// Draws a ray in a bin of a guide's square (ray_guide.h): ray `number` there, which depends on nothing else.
+static inline olx_ray_draw olx_ray_draw_in_bin(uint32_t seed, uint32_t bin, uint32_t number) {
+  const olx_vec2 point = olx_guide_in_bin(bin, olx_stratified2(number, olx_hash3(seed, bin, OLX_SALT_BIN)));
+  return (olx_ray_draw){point, seed, number * OLX_GUIDE_BINS + bin};
+}
+
+// What one ray brings, if it counts as one of evenly drawn rays.
 typedef struct olx_ray_end {
   olx_link link;
   olx_surface_point point;        // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST]; // as in olx_fixed_light, without the factor pi
+  olx_vec3 near;                  // a sample of the light of surfaces near lamps, in the unit of `fixed`
   uint64_t needs;                 // slots of olx_scene_inputs that it depends on
   olx_brick_set crossed;          // bricks that it depends on, where rays are recorded
   uint64_t cast;                  // rays cast for it
@@ -61,16 +69,13 @@ typedef struct olx_passed_light {
   uint32_t bounces;
 } olx_passed_light;
 
-// Returns the irradiance in W/m^2 that a surface would have if all its rays brought what this one does.
-olx_vec3 olx_ray_end_light(const olx_ray_end *end, const olx_passed_light *light);
+// Returns the irradiance in W/m^2 that a ray brings: `factor` times what it found, and `near_factor` times its sample of
+// the light of surfaces near lamps.
+olx_vec3 olx_ray_end_light(const olx_ray_end *end, float factor, float near_factor, const olx_passed_light *light);
 
 // Continues a ray that ended at a surface without a surfel by a cosine-distributed ray from there. `chain` is the
 // number of surfaces that passed it on before, and `weight` what its link carried.
 olx_ray_end olx_ray_end_go_on(const olx_light_surfels *surfels, const olx_surface *surface, uint32_t chain,
                               olx_vec3 weight, uint32_t seed, uint32_t index, uint64_t *rays);
-
-// Adds one sample of the light that surfaces near lamps send to a surface, times `factor`.
-void olx_ray_end_add_lamps(const olx_ray_caster *caster, const olx_surface *surface, float factor, uint32_t seed,
-                           uint32_t index, olx_ray_end *end);
 
 #endif

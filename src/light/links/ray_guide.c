@@ -4,6 +4,7 @@
 
 #include "core/hooks.h"
 #include "core/result.h"
+#include "core/sampling.h"
 
 enum { POOL_LEVELS = 3 }; // surfels learn together in cells this many levels above their own
 
@@ -124,17 +125,40 @@ static uint32_t invert(const float values[OLX_GUIDE_SIDE], float sum, float shar
   return i;
 }
 
-olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density) {
-  float rows[OLX_GUIDE_SIDE], sum = 0.0f, x, y;
+// Sums the rows of a density, and returns the sum of all.
+static float sum_rows(const olx_ray_pool *pool, float rows[OLX_GUIDE_SIDE]) {
+  float sum = 0.0f;
   for (uint32_t i = 0; i < OLX_GUIDE_SIDE; i++) {
     rows[i] = 0.0f;
     for (uint32_t k = 0; k < OLX_GUIDE_SIDE; k++) rows[i] += pool->density[i * OLX_GUIDE_SIDE + k];
     sum += rows[i];
   }
-  const uint32_t row = invert(rows, sum, even.y, &y);
-  const uint32_t column = invert(pool->density + row * OLX_GUIDE_SIDE, rows[row], even.x, &x);
-  *density = pool->density[row * OLX_GUIDE_SIDE + column];
-  return (olx_vec2){((float)column + x) / OLX_GUIDE_SIDE, ((float)row + y) / OLX_GUIDE_SIDE};
+  return sum;
+}
+
+// Returns the bin that an even point is mapped to, and its place within.
+static uint32_t warp(const olx_ray_pool *pool, const float rows[OLX_GUIDE_SIDE], float sum, olx_vec2 even,
+                     olx_vec2 *within) {
+  const uint32_t row = invert(rows, sum, even.y, &within->y);
+  return row * OLX_GUIDE_SIDE + invert(pool->density + row * OLX_GUIDE_SIDE, rows[row], even.x, &within->x);
+}
+
+olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density) {
+  float rows[OLX_GUIDE_SIDE];
+  olx_vec2 within;
+  const float sum = sum_rows(pool, rows);
+  const uint32_t bin = warp(pool, rows, sum, even, &within);
+  *density = pool->density[bin];
+  return olx_guide_in_bin(bin, within);
+}
+
+void olx_guide_count(const olx_ray_pool *pool, uint32_t seed, uint32_t first, uint32_t count,
+                     uint16_t bins[OLX_GUIDE_BINS]) {
+  float rows[OLX_GUIDE_SIDE];
+  olx_vec2 within;
+  const float sum = sum_rows(pool, rows);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) bins[i] = 0;
+  for (uint32_t i = 0; i < count; i++) bins[warp(pool, rows, sum, olx_stratified2(first + i, seed), &within)]++;
 }
 
 uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]) {

@@ -28,6 +28,11 @@ typedef struct olx_ray_guide {
   uint32_t pool_count;
 } olx_ray_guide;
 
+// One of the rays that are drawn in the bins of a guide's square.
+typedef struct olx_ray_place {
+  uint32_t bin, number; // number: within the bin
+} olx_ray_place;
+
 // Puts every surfel into a pool that has learnt nothing yet.
 olx_result olx_ray_guide_create(olx_ray_guide *guide, const olx_light_surfels *surfels);
 void olx_ray_guide_free(olx_ray_guide *guide);
@@ -51,6 +56,10 @@ olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density)
 // and a number that depends on its own density alone. Returns the number of all, at most OLX_GUIDE_BINS more than
 // `rays`, which is at most 255.
 uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]);
+// Counts how many of `count` evenly drawn points (olx_stratified2), from index `first` on, a pool's density maps to each
+// bin. The mean over seeds is the share of its density. `count` is at most 65535.
+void olx_guide_count(const olx_ray_pool *pool, uint32_t seed, uint32_t first, uint32_t count,
+                     uint16_t bins[OLX_GUIDE_BINS]);
 // Maps a point of the unit square into a bin.
 olx_vec2 olx_guide_in_bin(uint32_t bin, olx_vec2 point);
 

@@ -92,21 +92,22 @@ static void rays_follow_the_density(void **state) {
 
 // Returns the mean over bins of the mean over the rays that a pool gives to each.
 static double divided_mean(const olx_ray_pool *pool, uint32_t rays, uint32_t seed) {
-  uint8_t bins[OLX_GUIDE_BINS];
+  uint16_t bins[OLX_GUIDE_BINS];
+  const olx_bin_sequence sequence = olx_bin_sequence_make(seed);
   double sum = 0.0;
   olx_guide_divide(pool, rays, bins);
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     for (uint32_t i = 0; i < bins[bin]; i++) {
-      const olx_vec2 p = olx_guide_in_bin(bin, olx_stratified2(i, olx_hash2(seed, bin)));
+      const olx_vec2 p = olx_bin_sequence_point(&sequence, olx_bin_sequence_index(&sequence, bin, i));
       sum += (double)corner_light(p) / (OLX_GUIDE_BINS * bins[bin]);
     }
   }
   return sum;
 }
 
-static void divided_rays_follow_the_density_and_find_the_same_mean(void **state) {
+static void divided_rays_find_the_same_mean_with_less_variance(void **state) {
   (void)state;
-  enum { SEEDS = 400, FEW = 128 };
+  enum { SEEDS = 400, FEW = 256 };
   const olx_ray_pool pool = learn(corner_light);
   const olx_ray_pool *const pools[] = {&pool, NULL};
   double truth = 0.0, squares[2] = {0};
@@ -123,29 +124,67 @@ static void divided_rays_follow_the_density_and_find_the_same_mean(void **state)
   assert_true(squares[0] < 0.5 * squares[1]);
 }
 
-// A bin's rays are as many as its own density says, so that a change elsewhere leaves them as they are.
-static void each_bin_has_rays_by_its_own_density(void **state) {
+// Each bin has one ray or more, and within one of what its density says where that is more than one.
+static void bins_have_rays_by_their_density(void **state) {
   (void)state;
+  enum { FEW = 64, MANY = 65535 };
+  const olx_ray_pool pool = learn(corner_light);
+  uint16_t bins[OLX_GUIDE_BINS];
+  for (uint32_t rays = FEW; rays <= MANY; rays = 3 * rays + 1) {
+    uint32_t sum = 0;
+    olx_guide_divide(&pool, rays, bins);
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+      assert_true(bins[i] >= 1);
+      sum += bins[i];
+    }
+    assert_int_equal(sum, rays);
+  }
+  olx_guide_divide(&pool, MANY, bins);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    assert_float_equal((float)bins[i], pool.density[i] * MANY / OLX_GUIDE_BINS, 1.01f);
+  }
+  olx_guide_divide(NULL, 2 * OLX_GUIDE_BINS, bins);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) assert_int_equal(bins[i], 2);
+}
+
+// A guide that changes in one bin leaves the number of rays nearly the same in all others.
+static void a_changed_bin_changes_few_others(void **state) {
+  (void)state;
+  enum { FEW = 256 };
   olx_ray_pool pool = learn(corner_light);
-  uint8_t bins[OLX_GUIDE_BINS], changed[OLX_GUIDE_BINS], even[OLX_GUIDE_BINS];
-  const uint32_t count = olx_guide_divide(&pool, 255, bins);
-  uint32_t sum = 0;
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-    const float expected = pool.density[i] * 255 / OLX_GUIDE_BINS;
-    assert_true(bins[i] >= 1);
-    assert_float_equal((float)bins[i], expected, 0.51f);
-    sum += bins[i];
+  uint16_t bins[OLX_GUIDE_BINS], changed[OLX_GUIDE_BINS];
+  uint32_t same = 0;
+  olx_guide_divide(&pool, FEW, bins);
+  pool.density[9] *= 2.0f;
+  olx_guide_divide(&pool, FEW, changed);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) same += bins[i] < changed[i] ? bins[i] : changed[i];
+  assert_true(same >= FEW - 8);
+}
+
+// Points of a bin lie in it, all bins together make up the sequence, and each bin's points are evenly distributed.
+static void a_sequence_by_bins_is_a_sequence(void **state) {
+  (void)state;
+  enum { NUMBERS = 16, SEEDS = 20, CELLS = 4 };
+  for (uint32_t seed = 0; seed < SEEDS; seed++) {
+    const olx_bin_sequence sequence = olx_bin_sequence_make(olx_hash(seed));
+    bool met[OLX_GUIDE_BINS * NUMBERS] = {0};
+    for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+      bool cells[CELLS * CELLS] = {0};
+      for (uint32_t i = 0; i < NUMBERS; i++) {
+        const uint32_t index = olx_bin_sequence_index(&sequence, bin, i);
+        const olx_vec2 p = olx_bin_sequence_point(&sequence, index);
+        const float x = p.x * OLX_GUIDE_SIDE - (float)(bin % OLX_GUIDE_SIDE),
+                    y = p.y * OLX_GUIDE_SIDE - (float)(bin / OLX_GUIDE_SIDE);
+        assert_true(x >= 0.0f && x < 1.0f && y >= 0.0f && y < 1.0f);
+        assert_int_equal(index / OLX_GUIDE_BINS, i);
+        assert_false(met[index]);
+        met[index] = true;
+        bool *cell = &cells[(uint32_t)(y * CELLS) * CELLS + (uint32_t)(x * CELLS)];
+        assert_false(*cell);
+        *cell = true;
+      }
+    }
   }
-  assert_int_equal(sum, count);
-  assert_true(count <= 255 + OLX_GUIDE_BINS);
-  pool.density[5] *= 2.0f;
-  pool.density[9] *= 0.5f;
-  olx_guide_divide(&pool, 255, changed);
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-    if (i != 5 && i != 9) assert_int_equal(changed[i], bins[i]);
-  }
-  assert_int_equal(olx_guide_divide(NULL, 128, even), 128);
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) assert_int_equal(even[i], 2);
 }
 
 int main(void) {
@@ -154,8 +193,10 @@ int main(void) {
       cmocka_unit_test(where_all_directions_bring_alike_rays_stay_even),
       cmocka_unit_test(guided_rays_find_the_same_mean_with_less_variance),
       cmocka_unit_test(rays_follow_the_density),
-      cmocka_unit_test(divided_rays_follow_the_density_and_find_the_same_mean),
-      cmocka_unit_test(each_bin_has_rays_by_its_own_density),
+      cmocka_unit_test(divided_rays_find_the_same_mean_with_less_variance),
+      cmocka_unit_test(bins_have_rays_by_their_density),
+      cmocka_unit_test(a_changed_bin_changes_few_others),
+      cmocka_unit_test(a_sequence_by_bins_is_a_sequence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

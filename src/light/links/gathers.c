@@ -11,9 +11,8 @@ enum { MOST_KINDS = UINT8_MAX + 1 };
 
 // The rays of a gather, bin by bin.
 typedef struct gather {
-  uint8_t bins[OLX_GUIDE_BINS]; // rays in each bin
-  uint32_t rays;
-  olx_ray_end ends[OLX_GATHER_MOST];
+  uint16_t bins[OLX_GUIDE_BINS]; // rays in each bin
+  olx_ray_end ends[OLX_GATHER_RAYS];
 } gather;
 
 // Returns a hash of everything that the rays of a gather are drawn from, but for how many there are in each bin.
@@ -31,7 +30,7 @@ static uint64_t check_of(const olx_surface *surface, uint32_t seed) {
 typedef struct former_gather {
   olx_kept_gather kept;
   olx_gather_kind kinds[MOST_KINDS];
-  uint16_t now[OLX_GATHER_MOST]; // each ray's number now; OLX_GATHER_MOST: it is not reused
+  uint16_t now[OLX_GATHER_RAYS]; // each ray's number now; OLX_GATHER_RAYS: it is not reused
 } former_gather;
 
 // Returns whether a ray of a gather still holds, and gives its link the surfel's number of now.
@@ -56,8 +55,8 @@ static void take_ray(olx_gather_row *row, const olx_light_surfels *surfels, form
 static void take_lights(const former_gather *former, olx_ray_end *ends) {
   for (uint32_t i = 0; i < former->kept.light_count; i++) {
     const olx_gather_light *light = &former->kept.lights[i];
-    const uint32_t now = light->ray < former->kept.rays ? former->now[light->ray] : OLX_GATHER_MOST;
-    if (now == OLX_GATHER_MOST) continue;
+    const uint32_t now = light->ray < OLX_GATHER_RAYS ? former->now[light->ray] : OLX_GATHER_RAYS;
+    if (now == OLX_GATHER_RAYS) continue;
     *(light->surfaces < OLX_CHAIN_MOST ? &ends[now].fixed[light->surfaces] : &ends[now].near) = light->light;
   }
 }
@@ -67,7 +66,7 @@ static void take_former(olx_gather_row *row, uint64_t check, const olx_light_sur
   former_gather former;
   if (!olx_gather_row_find(row, check, &former.kept)) return;
   if (!olx_gather_read_kinds(&former.kept, former.kinds)) return;
-  for (uint32_t i = 0; i < former.kept.rays; i++) former.now[i] = OLX_GATHER_MOST;
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) former.now[i] = OLX_GATHER_RAYS;
   uint32_t before = 0, now = 0;
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     for (uint32_t i = 0; i < former.kept.bins[bin] && i < g->bins[bin]; i++) {
@@ -96,19 +95,14 @@ static uint8_t kind_of(olx_gather_kind table[MOST_KINDS], uint32_t *count, const
 }
 
 static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
-  olx_link links[OLX_GATHER_MOST];
+  olx_link links[OLX_GATHER_RAYS];
   olx_gather_kind table[MOST_KINDS];
-  uint8_t kinds[OLX_GATHER_MOST], bricks[MOST_KINDS * OLX_KIND_BYTES];
-  olx_gather_light lights[OLX_GATHER_MOST * (OLX_CHAIN_MOST + 1)];
+  uint8_t kinds[OLX_GATHER_RAYS], bricks[MOST_KINDS * OLX_KIND_BYTES];
+  olx_gather_light lights[OLX_GATHER_RAYS * (OLX_CHAIN_MOST + 1)];
   uint64_t needs[MOST_KINDS];
-  olx_kept_gather kept = {.bins = g->bins,
-                          .links = links,
-                          .kinds = kinds,
-                          .needs = needs,
-                          .bricks = bricks,
-                          .lights = lights,
-                          .rays = g->rays};
-  for (uint32_t i = 0; i < kept.rays; i++) {
+  olx_kept_gather kept = {
+      .bins = g->bins, .links = links, .kinds = kinds, .needs = needs, .bricks = bricks, .lights = lights};
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
     links[i] = g->ends[i].link;
     kinds[i] = kind_of(table, &kept.kind_count, &g->ends[i]);
     for (uint32_t k = 0; k <= OLX_CHAIN_MOST; k++) {
@@ -128,10 +122,11 @@ static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
 
 static void cast_rays(const olx_ray_caster *caster, const olx_surface *surface, uint32_t seed, gather *g) {
   olx_ray_draw draws[OLX_LINK_PACKET];
+  const olx_bin_sequence sequence = olx_bin_sequence_make(seed);
   uint32_t drawn = 0, first = 0;
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     for (uint32_t i = 0; i < g->bins[bin]; i++) {
-      draws[drawn++] = olx_ray_draw_in_bin(seed, bin, i);
+      draws[drawn++] = olx_ray_draw_in_bin(&sequence, bin, i);
       if (drawn < OLX_LINK_PACKET) continue;
       olx_ray_ends_cast(caster, surface, draws, drawn, g->ends + first);
       first += drawn;
@@ -148,7 +143,7 @@ static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float mos
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     const float share = 1.0f / (float)(OLX_GUIDE_BINS * g->bins[bin]);
     for (uint32_t i = 0; i < g->bins[bin]; i++) {
-      const olx_vec3 brought = olx_ray_end_light(end++, share, 1.0f / (float)g->rays, light);
+      const olx_vec3 brought = olx_ray_end_light(end++, share, 1.0f / OLX_GATHER_RAYS, light);
       const float luminance = olx_luminance(brought);
       sum = olx_madd(sum, brought, luminance > most ? most / luminance : 1.0f);
     }
@@ -162,8 +157,8 @@ olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surf
   olx_ray_caster caster = {.surfels = surfels};
   const uint64_t check = row ? check_of(surface, seed) : 0;
   gather g;
-  g.rays = olx_guide_divide(pool, OLX_GATHER_RAYS, g.bins);
-  for (uint32_t i = 0; i < g.rays; i++) g.ends[i] = olx_ray_end_none();
+  olx_guide_divide(pool, OLX_GATHER_RAYS, g.bins);
+  for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) g.ends[i] = olx_ray_end_none();
   if (row) {
     olx_ray_caster_watch(&caster, &watched);
     take_former(row, check, surfels, &g);
@@ -171,7 +166,7 @@ olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surf
   cast_rays(&caster, surface, seed, &g);
   if (row) {
     keep(row, check, &g);
-    row->rays += g.rays;
+    row->rays += OLX_GATHER_RAYS;
   }
   return add_up(&g, light, most);
 }

@@ -8,6 +8,12 @@ typedef struct gather_header {
   uint32_t kind_count, light_count, brick_count, unused; // 0: fills the struct
 } gather_header;
 
+static bool are_all(const uint16_t bins[OLX_GUIDE_BINS]) {
+  uint32_t rays = 0;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) rays += bins[i];
+  return rays == OLX_GATHER_RAYS;
+}
+
 static bool read_gather(olx_byte_reader *from, uint64_t *check, olx_kept_gather *gather) {
   const gather_header *header = from->next < from->size_bytes ? olx_bytes_get(from, 1, sizeof *header) : NULL;
   if (!header) return false;
@@ -16,14 +22,12 @@ static bool read_gather(olx_byte_reader *from, uint64_t *check, olx_kept_gather 
   gather->light_count = header->light_count;
   gather->brick_count = header->brick_count;
   gather->bins = olx_bytes_get(from, OLX_GUIDE_BINS, sizeof *gather->bins);
-  gather->rays = 0;
-  for (uint32_t i = 0; gather->bins && i < OLX_GUIDE_BINS; i++) gather->rays += gather->bins[i];
-  gather->links = olx_bytes_get(from, gather->rays, sizeof *gather->links);
-  gather->kinds = olx_bytes_get(from, gather->rays, sizeof *gather->kinds);
+  gather->links = olx_bytes_get(from, OLX_GATHER_RAYS, sizeof *gather->links);
+  gather->kinds = olx_bytes_get(from, OLX_GATHER_RAYS, sizeof *gather->kinds);
   gather->needs = olx_bytes_get(from, header->kind_count, sizeof *gather->needs);
   gather->bricks = olx_bytes_get(from, header->brick_count, 1);
   gather->lights = olx_bytes_get(from, header->light_count, sizeof *gather->lights);
-  return !from->failed && gather->rays <= OLX_GATHER_MOST;
+  return !from->failed && are_all(gather->bins);
 }
 
 bool olx_gather_row_find(olx_gather_row *row, uint64_t check, olx_kept_gather *gather) {
@@ -41,8 +45,8 @@ void olx_gather_row_keep(olx_gather_row *row, uint64_t check, const olx_kept_gat
   const gather_header header = {check, gather->kind_count, gather->light_count, gather->brick_count, 0};
   olx_bytes_put(&row->kept, &header, 1, sizeof header);
   olx_bytes_put(&row->kept, gather->bins, OLX_GUIDE_BINS, sizeof *gather->bins);
-  olx_bytes_put(&row->kept, gather->links, gather->rays, sizeof *gather->links);
-  olx_bytes_put(&row->kept, gather->kinds, gather->rays, sizeof *gather->kinds);
+  olx_bytes_put(&row->kept, gather->links, OLX_GATHER_RAYS, sizeof *gather->links);
+  olx_bytes_put(&row->kept, gather->kinds, OLX_GATHER_RAYS, sizeof *gather->kinds);
   olx_bytes_put(&row->kept, gather->needs, gather->kind_count, sizeof *gather->needs);
   olx_bytes_put(&row->kept, gather->bricks, gather->brick_count, 1);
   olx_bytes_put(&row->kept, gather->lights, gather->light_count, sizeof *gather->lights);

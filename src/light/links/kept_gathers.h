@@ -6,10 +6,7 @@
 
 #include "light/links/former_surfels.h"
 
-enum {
-  OLX_GATHER_RAYS = 256,                             // of a gather, before rounding in each bin
-  OLX_GATHER_MOST = OLX_GATHER_RAYS + OLX_GUIDE_BINS // with it
-};
+enum { OLX_GATHER_RAYS = 256 }; // of a gather
 
 // Light that a ray of a gather brings without its link, after `surfaces` + 1 surfaces; OLX_CHAIN_MOST: its sample of
 // surfaces near lamps.
@@ -26,13 +23,12 @@ typedef struct olx_gather_kind {
 
 // One gather, as it is kept.
 typedef struct olx_kept_gather {
-  const uint8_t *bins;   // OLX_GUIDE_BINS: rays in each bin of directions
-  const olx_link *links; // of the rays, bin by bin
+  const uint16_t *bins;  // OLX_GUIDE_BINS: rays in each bin of directions
+  const olx_link *links; // OLX_GATHER_RAYS, bin by bin
   const uint8_t *kinds;  // the same
   const uint64_t *needs; // slots of olx_scene_inputs, of each kind of ray
   const uint8_t *bricks; // of each kind: how many, and their numbers
   const olx_gather_light *lights;
-  uint32_t rays;                                 // at most OLX_GATHER_MOST
   uint32_t kind_count, light_count, brick_count; // brick_count: bytes of `bricks`
 } olx_kept_gather;
 

@@ -189,6 +189,16 @@ void olx_kept_rays_skip(olx_byte_reader *from) {
   read_kept(from, &unit);
 }
 
+// Returns whether the bins of each surfel have as many rays as it has.
+static bool are_all(const olx_former_unit *unit) {
+  for (size_t n = 0; unit->bins && n < unit->header->count; n++) {
+    uint32_t rays = 0;
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) rays += unit->bins[n * OLX_GUIDE_BINS + i];
+    if (rays != unit->header->rays) return false;
+  }
+  return true;
+}
+
 // Finds whose surfels a unit has; returns false where they are unknown.
 static bool find_surfels(olx_former_unit *unit, const olx_former_rays *former) {
   const olx_surfels_name own = olx_surfels_name_of(&unit->header->inputs), now = olx_surfels_name_of(&former->inputs);
@@ -201,7 +211,7 @@ static bool find_surfels(olx_former_unit *unit, const olx_former_rays *former) {
 static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, const olx_former_rays *former) {
   read_kept(from, unit);
   const kept_header *h = unit->header;
-  if (from->failed || h->count == 0 || !find_surfels(unit, former)) return false;
+  if (from->failed || h->count == 0 || !are_all(unit) || !find_surfels(unit, former)) return false;
   const size_t links = (size_t)h->count * h->rays;
   uint32_t points = 0;
   olx_bytes_get(from, 1, sizeof(uint64_t));

@@ -47,26 +47,35 @@ olx_vec2 olx_links_ray_point(const olx_light_surfels *surfels, uint32_t surfel, 
 
 // The rays of a surfel in a batch: evenly drawn, or as many in each bin as a guide draws there.
 typedef struct ray_plan {
-  const olx_ray_pool *pool;      // NULL: evenly
-  float worth;                   // of each ray, in rays of even density
-  uint32_t seed, first;          // index of the first ray in the sequence of all batches
+  const olx_ray_pool *pool;   // NULL: evenly
+  float worth;                // of each ray, in rays of even density
+  uint32_t rays, seed, first; // first: index in the sequence of all batches
+  olx_bin_sequence sequence;
   uint16_t bins[OLX_GUIDE_BINS]; // rays in each bin; evenly drawn ones are all in the first
 } ray_plan;
 
 static ray_plan plan_of(const olx_light_surfels *s, const olx_link_batch *batch, uint32_t surfel) {
-  ray_plan plan = {.pool = batch->guide ? &batch->guide->pools[batch->guide->pool_of[surfel]] : NULL,
+  ray_plan plan = {.pool = olx_link_is_guided(batch) ? &batch->guide->pools[batch->guide->pool_of[surfel]] : NULL,
                    .worth = olx_link_worth(batch, surfel),
+                   .rays = batch->rays,
                    .seed = seed_of(s, surfel),
                    .first = batch->first_ray};
-  if (plan.pool) olx_guide_count(plan.pool, plan.seed, plan.first, batch->rays, plan.bins);
+  plan.sequence = olx_bin_sequence_make(plan.seed);
+  if (plan.pool) olx_guide_divide(plan.pool, batch->rays, plan.bins);
   else plan.bins[0] = (uint16_t)batch->rays;
   return plan;
 }
 
 static olx_ray_draw draw_of(const ray_plan *plan, olx_ray_place place) {
-  if (plan->pool) return olx_ray_draw_in_bin(olx_hash2(plan->seed, plan->first), place.bin, place.number);
+  if (plan->pool) return olx_ray_draw_in_bin(&plan->sequence, place.bin, plan->first + place.number);
   const uint32_t index = plan->first + place.number;
   return (olx_ray_draw){olx_stratified2(index, plan->seed), plan->seed, index};
+}
+
+// Returns the factor on the light of each ray of a bin: bins count alike, however many rays each has.
+static float factor_of(const ray_plan *plan, uint32_t bin) {
+  if (!plan->pool) return plan->worth;
+  return plan->worth * (float)plan->rays / (float)(OLX_GUIDE_BINS * plan->bins[bin]);
 }
 
 // Rays that are cast together.
@@ -87,7 +96,7 @@ static void draw_packet(const ray_plan *plan, olx_ray_place *next, ray_packet *p
       const uint32_t i = packet->count++;
       packet->places[i] = *next;
       packet->draws[i] = draw_of(plan, *next);
-      packet->factors[i] = plan->pool ? plan->worth / plan->pool->density[next->bin] : plan->worth;
+      packet->factors[i] = factor_of(plan, next->bin);
       packet->ends[i] = olx_ray_end_none();
     }
   }

@@ -48,9 +48,14 @@ typedef struct olx_ray_sum {
 olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, const olx_ray_guide *guide,
                              uint32_t first, uint32_t count, const olx_passed_light *light, uint64_t *rays);
 
+// Returns whether a batch has enough rays for a guide to divide; fewer are drawn evenly.
+static inline bool olx_link_is_guided(const olx_link_batch *batch) {
+  return batch->guide && batch->rays >= 2 * OLX_GUIDE_BINS;
+}
+
 // Returns the weight of each ray of a surfel, in rays of even density: the inverse of their ratio of variances.
 static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel) {
-  return batch->guide ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
+  return olx_link_is_guided(batch) ? 1.0f / batch->guide->pools[batch->guide->pool_of[surfel]].spread : 1.0f;
 }
 
 // Returns the light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its

@@ -2,12 +2,9 @@
 #ifndef OLX_LIGHT_RAY_ENDS_H
 #define OLX_LIGHT_RAY_ENDS_H
 
-#include "core/sampling.h"
 #include "light/links/link_batch.h"
 #include "scene/bvh.h"
 #include "scene/space_bricks.h"
-
-enum { OLX_SALT_BIN = 0x42494E53 };
 
 // What rays are cast with.
 typedef struct olx_ray_caster {
@@ -33,10 +30,10 @@ typedef struct olx_ray_draw {
   uint32_t seed, index; // of the random numbers beyond the first surface
 } olx_ray_draw;
 
-// Draws a ray in a bin of a guide's square (ray_guide.h): ray `number` there, which depends on nothing else.
-static inline olx_ray_draw olx_ray_draw_in_bin(uint32_t seed, uint32_t bin, uint32_t number) {
-  const olx_vec2 point = olx_guide_in_bin(bin, olx_stratified2(number, olx_hash3(seed, bin, OLX_SALT_BIN)));
-  return (olx_ray_draw){point, seed, number * OLX_GUIDE_BINS + bin};
+// Draws ray `number` in a bin of a guide's square (ray_guide.h), which depends on nothing else.
+static inline olx_ray_draw olx_ray_draw_in_bin(const olx_bin_sequence *sequence, uint32_t bin, uint32_t number) {
+  const uint32_t index = olx_bin_sequence_index(sequence, bin, number);
+  return (olx_ray_draw){olx_bin_sequence_point(sequence, index), sequence->seed, index};
 }
 
 // What one ray brings, if it counts as one of evenly drawn rays.

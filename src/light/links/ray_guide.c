@@ -149,29 +149,87 @@ olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density)
   const float sum = sum_rows(pool, rows);
   const uint32_t bin = warp(pool, rows, sum, even, &within);
   *density = pool->density[bin];
-  return olx_guide_in_bin(bin, within);
+  return (olx_vec2){((float)(bin % OLX_GUIDE_SIDE) + within.x) / OLX_GUIDE_SIDE,
+                    ((float)(bin / OLX_GUIDE_SIDE) + within.y) / OLX_GUIDE_SIDE};
 }
 
-void olx_guide_count(const olx_ray_pool *pool, uint32_t seed, uint32_t first, uint32_t count,
-                     uint16_t bins[OLX_GUIDE_BINS]) {
-  float rows[OLX_GUIDE_SIDE];
-  olx_vec2 within;
-  const float sum = sum_rows(pool, rows);
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) bins[i] = 0;
-  for (uint32_t i = 0; i < count; i++) bins[warp(pool, rows, sum, olx_stratified2(first + i, seed), &within)]++;
-}
-
-uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]) {
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-    const float wanted = (float)rays / OLX_GUIDE_BINS * (pool ? pool->density[i] : 1.0f);
-    bins[i] = (uint8_t)olx_clamp(roundf(wanted), 1.0f, UINT8_MAX);
-    count += bins[i];
+// Returns the factor on densities with which bins that have one ray or more have `rays` in all.
+static float scale_of(const float density[OLX_GUIDE_BINS], uint32_t rays) {
+  float scale = (float)rays / OLX_GUIDE_BINS;
+  for (uint32_t turn = 0; turn < OLX_GUIDE_BINS; turn++) {
+    uint32_t low = 0;
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+      if (density[i] * scale <= 1.0f) low++;
+      else sum += density[i];
+    }
+    if (low == OLX_GUIDE_BINS) return scale;
+    const float next = (float)(rays - low) / sum;
+    if (next >= scale) return scale;
+    scale = next;
   }
-  return count;
+  return scale;
 }
 
-olx_vec2 olx_guide_in_bin(uint32_t bin, olx_vec2 point) {
-  return (olx_vec2){((float)(bin % OLX_GUIDE_SIDE) + point.x) / OLX_GUIDE_SIDE,
-                    ((float)(bin / OLX_GUIDE_SIDE) + point.y) / OLX_GUIDE_SIDE};
+// Gives the bins whose shares were rounded down most the rays that are left.
+static void give_rest(const float rest[OLX_GUIDE_BINS], uint32_t left, uint16_t bins[OLX_GUIDE_BINS]) {
+  bool given[OLX_GUIDE_BINS] = {0};
+  for (; left > 0; left--) {
+    uint32_t most = OLX_GUIDE_BINS;
+    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+      if (!given[i] && (most == OLX_GUIDE_BINS || rest[i] > rest[most])) most = i;
+    }
+    given[most] = true;
+    bins[most]++;
+  }
+}
+
+void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]) {
+  float density[OLX_GUIDE_BINS], rest[OLX_GUIDE_BINS];
+  uint32_t left = rays;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) density[i] = pool ? pool->density[i] : 1.0f;
+  const float scale = scale_of(density, rays);
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    const float wanted = olx_max(density[i] * scale, 1.0f);
+    bins[i] = (uint16_t)wanted;
+    rest[i] = wanted - (float)bins[i];
+    left -= bins[i];
+  }
+  give_rest(rest, left, bins);
+}
+
+// ---- A sequence by bins
+
+enum { DIGITS = 3, DIGIT_MASK = OLX_GUIDE_SIDE - 1, BLOCK_BITS = 2 * DIGITS };
+
+// Coordinates with reversed bits: their first digits are the low bits, and depend on low bits alone.
+static uint32_t x_of(const olx_bin_sequence *s, uint32_t index) {
+  return olx_owen_scramble_reversed(index, olx_hash(s->seed + 1u));
+}
+
+static uint32_t y_of(const olx_bin_sequence *s, uint32_t sobol) {
+  return olx_owen_scramble_reversed(sobol, olx_hash(s->seed + 2u));
+}
+
+olx_bin_sequence olx_bin_sequence_make(uint32_t seed) {
+  olx_bin_sequence s = {.seed = seed};
+  for (uint32_t digits = 0; digits < OLX_GUIDE_SIDE; digits++) {
+    s.x[olx_reverse_bits(x_of(&s, digits)) >> (32 - DIGITS)] = (uint8_t)digits;
+    s.y[olx_reverse_bits(y_of(&s, digits)) >> (32 - DIGITS)] = (uint8_t)digits;
+  }
+  return s;
+}
+
+// The column fixes the three low bits of the index, and the row three bits of Sobol's second dimension, which are sums
+// of index bits (olx_sobol2_reversed): bit 3 is in all of them, bit 5 in the two lowest, bit 4 in the lowest.
+uint32_t olx_bin_sequence_index(const olx_bin_sequence *s, uint32_t bin, uint32_t number) {
+  const uint32_t index = number << BLOCK_BITS | s->x[bin % OLX_GUIDE_SIDE];
+  const uint32_t missing = (olx_sobol2_reversed(index) & DIGIT_MASK) ^ s->y[bin / OLX_GUIDE_SIDE];
+  const uint32_t bit3 = missing >> 2 & 1u, bit5 = (missing >> 1 & 1u) ^ bit3, bit4 = (missing & 1u) ^ bit3 ^ bit5;
+  return index | bit3 << 3 | bit4 << 4 | bit5 << 5;
+}
+
+olx_vec2 olx_bin_sequence_point(const olx_bin_sequence *s, uint32_t index) {
+  return (olx_vec2){olx_unit_float(olx_reverse_bits(x_of(s, index))),
+                    olx_unit_float(olx_reverse_bits(y_of(s, olx_sobol2_reversed(index))))};
 }

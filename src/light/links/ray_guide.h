@@ -52,15 +52,22 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 // result.
 olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
 
-// Divides about `rays` rays among bins by a pool's density, or evenly when that is NULL: each bin gets one ray or more,
-// and a number that depends on its own density alone. Returns the number of all, at most OLX_GUIDE_BINS more than
-// `rays`, which is at most 255.
-uint32_t olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint8_t bins[OLX_GUIDE_BINS]);
-// Counts how many of `count` evenly drawn points (olx_stratified2), from index `first` on, a pool's density maps to each
-// bin. The mean over seeds is the share of its density. `count` is at most 65535.
-void olx_guide_count(const olx_ray_pool *pool, uint32_t seed, uint32_t first, uint32_t count,
-                     uint16_t bins[OLX_GUIDE_BINS]);
-// Maps a point of the unit square into a bin.
-olx_vec2 olx_guide_in_bin(uint32_t bin, olx_vec2 point);
+// Divides rays among bins by a pool's density, or evenly when that is NULL: each bin gets one or more, and as nearly as
+// whole numbers allow what its density says. `rays` is at least OLX_GUIDE_BINS, and at most 65535.
+void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]);
+
+// The points of a (0, 2)-sequence over the square by bins: of every 64 consecutive points one lies in each bin, so that
+// point `number` of a bin is a point of the sequence, whatever number of points other bins have. Where all bins have as
+// many, they form the sequence's beginning, with its even distribution.
+typedef struct olx_bin_sequence {
+  uint32_t seed;
+  uint8_t x[OLX_GUIDE_SIDE], y[OLX_GUIDE_SIDE]; // digits before scrambling of each column and row
+} olx_bin_sequence;
+
+olx_bin_sequence olx_bin_sequence_make(uint32_t seed);
+// Returns the index in the sequence of a bin's point `number`, which is below 2^26.
+uint32_t olx_bin_sequence_index(const olx_bin_sequence *sequence, uint32_t bin, uint32_t number);
+// Returns a point of the sequence.
+olx_vec2 olx_bin_sequence_point(const olx_bin_sequence *sequence, uint32_t index);
 
 #endif

@@ -93,6 +93,12 @@ olx_render_settings bench_field_settings(const bench *b) {
   return settings;
 }
 
+olx_render_settings bench_cage_settings(const bench *b) {
+  olx_render_settings settings = bench_field_settings(b);
+  settings.sample.select = OLX_SELECT_CAGE;
+  return settings;
+}
+
 // The parameters of a reference. They are compared as bytes, so every byte must be set.
 typedef struct reference_key {
   uint64_t scene_hash;

@@ -95,6 +95,8 @@ const char *bench_scene_title(const char *name);
 // experiments of a run use these by default, so that references are shared.
 olx_render_settings bench_path_settings(const bench *b);
 olx_render_settings bench_field_settings(const bench *b);
+// Returns those of fields on grids with rays as McGuire et al. trace them: through the probes of cages.
+olx_render_settings bench_cage_settings(const bench *b);
 uint32_t bench_bounces(const bench *b); // bounces after direct light, of fields; references have one more
 uint32_t bench_spp(const bench *b);     // camera samples per pixel of images from fields
 

@@ -63,7 +63,7 @@ static olx_result run_step(const sweep *s, const sweep_step *step, const char *n
   bench_field made;
   result = bench_bake_field(s->b, s->scene, &probes, &bake, &made);
   if (result == OLX_OK) {
-    const bench_way way = {.name = name, .field = made.field, .settings = bench_field_settings(s->b)};
+    const bench_way way = {.name = name, .field = made.field, .settings = bench_cage_settings(s->b)};
     result = bench_pictures(s->b, s->scene, &s->camera, 1, &way, images);
   }
   if (result == OLX_OK) result = add_row(s, step, &made, images);

@@ -28,7 +28,7 @@ static double direct_light(const bench_images *images) {
 static bench_way make_way(const bench *b, const olx_field *field, bool traced, bool denoised) {
   static const char *const names[2][2] = {{"sampled, gathered", "sampled, denoised"},
                                           {"traced, gathered", "traced, denoised"}};
-  bench_way way = {.name = names[traced][denoised], .field = field, .settings = bench_field_settings(b)};
+  bench_way way = {.name = names[traced][denoised], .field = field, .settings = bench_cage_settings(b)};
   olx_render_settings *settings = &way.settings;
   settings->centered = true;
   settings->diffuse = OLX_DIFFUSE_TRACED;

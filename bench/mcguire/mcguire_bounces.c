@@ -38,7 +38,7 @@ static olx_result measure(bench *b, const olx_scene *scene, const olx_camera *ca
   bench_quality quality;
   result = bench_bake_field(b, scene, &probes, &bake, &made);
   if (result == OLX_OK) {
-    const bench_way way = {.name = gather_names[gather], .field = made.field, .settings = bench_field_settings(b)};
+    const bench_way way = {.name = gather_names[gather], .field = made.field, .settings = bench_cage_settings(b)};
     result = bench_pictures(b, scene, camera, 1, &way, images);
   }
   if (result == OLX_OK) result = bench_compare(b, images, reference, BENCH_DIFFUSE, 0, &quality);

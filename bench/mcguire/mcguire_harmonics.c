@@ -128,7 +128,7 @@ static olx_result run_way(const study *s, olx_irradiance_form form, uint32_t siz
   bench_field made;
   result = bench_bake_field(s->b, s->scene, &probes, &bake, &made);
   if (result == OLX_OK) {
-    const bench_way way = {.name = name, .field = made.field, .settings = bench_field_settings(s->b)};
+    const bench_way way = {.name = name, .field = made.field, .settings = bench_cage_settings(s->b)};
     result = bench_pictures(s->b, s->scene, s->cameras, s->camera_count, &way, images);
   }
   if (result == OLX_OK) result = add_row(s, form, &made, images);

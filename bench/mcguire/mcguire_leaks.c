@@ -40,7 +40,7 @@ static const bench_plot plots[] = {
 // Lists the methods of a figure, with the one to be replaced last.
 static uint32_t list_ways(const bench *b, const figure *f, const olx_field *field, bench_way ways[MOST_WAYS]) {
   uint32_t count = 0;
-  olx_render_settings settings = bench_field_settings(b);
+  olx_render_settings settings = bench_cage_settings(b);
   settings.spp = 1;
   settings.centered = true;
   ways[count++] = (bench_way){.name = "field", .field = field, .settings = settings};

@@ -61,7 +61,7 @@ static olx_result add_way(hall *h, const char *grid, const struct way *way, cons
   char *name = h->names[h->count];
   snprintf(name, sizeof h->names[0], "%s, %s", grid, way->name);
   h->shown[h->count++] = (bench_shown){.way = name, .images = images};
-  bench_way wanted = {.name = name, .field = made->field, .settings = bench_field_settings(h->b)};
+  bench_way wanted = {.name = name, .field = made->field, .settings = bench_cage_settings(h->b)};
   wanted.settings.method = way->method;
   wanted.settings.diffuse = way->diffuse;
   wanted.settings.diffuse_samples = GATHERED;
@@ -78,6 +78,7 @@ static olx_result add_rays(hall *h, const char *grid, const bench_field *made) {
   settings.rays = h->b->options->quick ? 20000 : 200000;
   settings.points = 0;
   settings.threads = h->b->options->threads;
+  settings.sample.select = OLX_SELECT_CAGE;
   olx_audit audit;
   const olx_result result = olx_audit_field(h->scene, made->field, &settings, &h->b->progress, &audit);
   if (result != OLX_OK) return result;

@@ -52,7 +52,7 @@ static olx_result time_passes(bench *b, const olx_scene *scene, const char *came
                               uint32_t rounds, timing *t) {
   olx_camera camera;
   olx_result result = olx_scene_find_camera(scene, camera_name, &camera);
-  olx_render_settings settings = bench_field_settings(b);
+  olx_render_settings settings = bench_cage_settings(b);
   if (!b->options->size[0]) {
     settings.width = b->options->quick ? 96 : 480;
     settings.height = b->options->quick ? 54 : 270;

@@ -138,43 +138,56 @@ static void report_part(const job *j, uint32_t count, bool interpolated) {
          interpolated ? "interpolated" : "gathered", 100.0 * part / valid, error / squares, two / squares);
 }
 
-// Returns what one ray finds, drawn by a pool's density, or evenly when that is NULL, as an estimate of irradiance.
-static olx_vec3 cast_one(const olx_scene_light *l, const olx_surface *surface, const olx_ray_pool *pool,
-                         uint32_t seed) {
+enum { GUIDED_RAYS = 2048 };
+
+// What rays find, each as an estimate of irradiance.
+typedef struct ray_sums {
+  double sum, squares, rays;
+} ray_sums;
+
+// Adds rays that are divided by a pool's density, or evenly when that is NULL.
+static void add_rays(const olx_scene_light *l, const olx_surface *surface, const olx_ray_pool *pool, uint32_t seed,
+                     ray_sums *all) {
   const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
   const olx_ray_caster caster = {.surfels = &l->surfels};
-  float density = 1.0f;
-  olx_vec2 drawn = olx_stratified2(0, seed);
-  if (pool) drawn = olx_guide_warp(pool, drawn, &density);
-  const olx_ray_draw draw = {drawn, seed, 0};
-  olx_ray_end end = olx_ray_end_none();
-  olx_ray_ends_cast(&caster, surface, &draw, 1, &end);
-  return olx_ray_end_light(&end, 1.0f / density, 1.0f, &light);
+  const olx_bin_sequence sequence = olx_bin_sequence_make(seed);
+  uint16_t bins[OLX_GUIDE_BINS];
+  olx_guide_divide(pool, GUIDED_RAYS, bins);
+  for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
+    for (uint32_t i = 0; i < bins[bin]; i++) {
+      const olx_ray_draw draw = olx_ray_draw_in_bin(&sequence, bin, i);
+      const float factor = (float)GUIDED_RAYS / (float)(OLX_GUIDE_BINS * bins[bin]);
+      olx_ray_end end = olx_ray_end_none();
+      olx_ray_ends_cast(&caster, surface, &draw, 1, &end);
+      const double found = (double)olx_luminance(olx_ray_end_light(&end, factor, 1.0f, &light));
+      all->sum += found;
+      all->squares += found * found;
+      all->rays++;
+    }
+  }
+}
+
+static double deviation_of(const ray_sums *all) {
+  const double mean = all->sum / all->rays;
+  return sqrt(all->squares / all->rays - mean * mean) / mean;
 }
 
 // Prints the standard deviation of the light that one ray brings, over its mean, for rays drawn evenly and by the
 // guide.
 static void report_rays(const job *j, uint32_t count) {
-  enum { PLACES = 400, RAYS = 2048 };
+  enum { PLACES = 400 };
   const olx_scene_light *l = j->light[0];
-  double sum[2] = {0}, squares[2] = {0}, rays = 0;
+  ray_sums even = {0}, guided = {0};
   for (uint32_t i = 0; i < count && i < PLACES; i++) {
     const olx_surface *surface = &j->points[i].surface;
     if (!j->points[i].valid) continue;
     const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
     const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
     if (near == OLX_CELL_NONE) continue;
-    rays += RAYS;
-    for (uint32_t k = 0; k < 2 * RAYS; k++) {
-      const olx_ray_pool *pool = k % 2 ? olx_light_pool(l, near) : NULL;
-      const double found = (double)olx_luminance(cast_one(l, surface, pool, olx_hash2(i, k / 2)));
-      sum[k % 2] += found;
-      squares[k % 2] += found * found;
-    }
+    add_rays(l, surface, NULL, olx_hash(i), &even);
+    add_rays(l, surface, olx_light_pool(l, near), olx_hash(i), &guided);
   }
-  const double even = sum[0] / rays, guided = sum[1] / rays;
-  printf("a ray's deviation over its mean: even %.2f, guided %.2f\n", sqrt(squares[0] / rays - even * even) / even,
-         sqrt(squares[1] / rays - guided * guided) / guided);
+  printf("a ray's deviation over its mean: even %.2f, guided %.2f\n", deviation_of(&even), deviation_of(&guided));
 }
 
 static void print_report(const olx_scene_light_report *r) {

@@ -116,86 +116,26 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums) {
   pool->spread = olx_min(coarse(spread_of(pool, squares, (float)(sums->light / sums->count))), 1.0f);
 }
 
-// Finds where the running sum of `values` reaches a share of the total: the index, and the position within it.
-static uint32_t invert(const float values[OLX_GUIDE_SIDE], float sum, float share, float *within) {
-  float left = share * sum;
-  uint32_t i = 0;
-  while (i + 1 < OLX_GUIDE_SIDE && left >= values[i]) left -= values[i++];
-  *within = olx_clamp(left / values[i], 0.0f, 0x1.fffffep-1f);
-  return i;
-}
-
-// Sums the rows of a density, and returns the sum of all.
-static float sum_rows(const olx_ray_pool *pool, float rows[OLX_GUIDE_SIDE]) {
-  float sum = 0.0f;
-  for (uint32_t i = 0; i < OLX_GUIDE_SIDE; i++) {
-    rows[i] = 0.0f;
-    for (uint32_t k = 0; k < OLX_GUIDE_SIDE; k++) rows[i] += pool->density[i * OLX_GUIDE_SIDE + k];
-    sum += rows[i];
+// Returns the bin that has the fewest rays for its density among those whose rays can be doubled with `left` more.
+static uint32_t find_poorest(const olx_ray_pool *pool, const uint16_t bins[OLX_GUIDE_BINS], uint32_t left) {
+  uint32_t found = OLX_GUIDE_BINS;
+  float most = 0.0f;
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
+    const float ratio = (pool ? pool->density[i] : 1.0f) / (float)bins[i];
+    if (bins[i] > left || ratio <= most) continue;
+    most = ratio;
+    found = i;
   }
-  return sum;
-}
-
-// Returns the bin that an even point is mapped to, and its place within.
-static uint32_t warp(const olx_ray_pool *pool, const float rows[OLX_GUIDE_SIDE], float sum, olx_vec2 even,
-                     olx_vec2 *within) {
-  const uint32_t row = invert(rows, sum, even.y, &within->y);
-  return row * OLX_GUIDE_SIDE + invert(pool->density + row * OLX_GUIDE_SIDE, rows[row], even.x, &within->x);
-}
-
-olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density) {
-  float rows[OLX_GUIDE_SIDE];
-  olx_vec2 within;
-  const float sum = sum_rows(pool, rows);
-  const uint32_t bin = warp(pool, rows, sum, even, &within);
-  *density = pool->density[bin];
-  return (olx_vec2){((float)(bin % OLX_GUIDE_SIDE) + within.x) / OLX_GUIDE_SIDE,
-                    ((float)(bin / OLX_GUIDE_SIDE) + within.y) / OLX_GUIDE_SIDE};
-}
-
-// Returns the factor on densities with which bins that have one ray or more have `rays` in all.
-static float scale_of(const float density[OLX_GUIDE_BINS], uint32_t rays) {
-  float scale = (float)rays / OLX_GUIDE_BINS;
-  for (uint32_t turn = 0; turn < OLX_GUIDE_BINS; turn++) {
-    uint32_t low = 0;
-    float sum = 0.0f;
-    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-      if (density[i] * scale <= 1.0f) low++;
-      else sum += density[i];
-    }
-    if (low == OLX_GUIDE_BINS) return scale;
-    const float next = (float)(rays - low) / sum;
-    if (next >= scale) return scale;
-    scale = next;
-  }
-  return scale;
-}
-
-// Gives the bins whose shares were rounded down most the rays that are left.
-static void give_rest(const float rest[OLX_GUIDE_BINS], uint32_t left, uint16_t bins[OLX_GUIDE_BINS]) {
-  bool given[OLX_GUIDE_BINS] = {0};
-  for (; left > 0; left--) {
-    uint32_t most = OLX_GUIDE_BINS;
-    for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-      if (!given[i] && (most == OLX_GUIDE_BINS || rest[i] > rest[most])) most = i;
-    }
-    given[most] = true;
-    bins[most]++;
-  }
+  return found;
 }
 
 void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]) {
-  float density[OLX_GUIDE_BINS], rest[OLX_GUIDE_BINS];
-  uint32_t left = rays;
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) density[i] = pool ? pool->density[i] : 1.0f;
-  const float scale = scale_of(density, rays);
-  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) {
-    const float wanted = olx_max(density[i] * scale, 1.0f);
-    bins[i] = (uint16_t)wanted;
-    rest[i] = wanted - (float)bins[i];
-    left -= bins[i];
+  for (uint32_t i = 0; i < OLX_GUIDE_BINS; i++) bins[i] = 1;
+  for (uint32_t left = rays - OLX_GUIDE_BINS; left > 0;) {
+    const uint32_t bin = find_poorest(pool, bins, left);
+    left -= bins[bin];
+    bins[bin] *= 2;
   }
-  give_rest(rest, left, bins);
 }
 
 // ---- A sequence by bins

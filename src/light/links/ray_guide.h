@@ -48,12 +48,9 @@ void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
 // Learns the density of least variance from the sums. Without any light it is even.
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
-// Maps evenly distributed points of the square to points with a pool's density. *density is the relative density at the
-// result.
-olx_vec2 olx_guide_warp(const olx_ray_pool *pool, olx_vec2 even, float *density);
-
-// Divides rays among bins by a pool's density, or evenly when that is NULL: each bin gets one or more, and as nearly as
-// whole numbers allow what its density says. `rays` is at least OLX_GUIDE_BINS, and at most 65535.
+// Divides rays among bins by a pool's density, or evenly when that is NULL: each bin gets a power of two of them, so
+// that they are evenly distributed within it, and all together are `rays`, a power of two from OLX_GUIDE_BINS to 32768. The
+// bin with the fewest rays for its density is doubled first, as long as there are rays left.
 void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]);
 
 // The points of a (0, 2)-sequence over the square by bins: of every 64 consecutive points one lies in each bin, so that

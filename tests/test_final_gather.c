@@ -48,12 +48,15 @@ static int tear_down(void **state) {
 }
 
 typedef struct units_done {
-  uint32_t final_made, final_loaded, record_made, record_loaded, record_rounds;
+  uint32_t final_made, final_loaded, final_rounds, record_made, record_loaded, record_rounds;
 } units_done;
 
 static void count_unit(void *user, const olx_unit_done *unit) {
   units_done *done = user;
-  if (strcmp(unit->name.stage, "final") == 0) ++*(unit->found ? &done->final_loaded : &done->final_made);
+  if (strcmp(unit->name.stage, "final") == 0) {
+    ++*(unit->found ? &done->final_loaded : &done->final_made);
+    if (unit->name.round >= done->final_rounds) done->final_rounds = unit->name.round + 1;
+  }
   if (strcmp(unit->name.stage, "record") != 0) return;
   ++*(unit->found ? &done->record_loaded : &done->record_made);
   if (unit->name.round >= done->record_rounds) done->record_rounds = unit->name.round + 1;
@@ -91,10 +94,11 @@ static void remove_unit(const place *p, const char *name) {
   assert_int_equal(unlink(path), 0);
 }
 
-// Removes the steps after the first round of final rays, the lookups, one unit of that round, and one of records.
+// Removes the steps after the first round of final rays began, of which each round has one, the lookups, one unit of
+// that round, and one of records.
 static void damage(const place *p, const units_done *done) {
   char path[128];
-  for (uint32_t step = 20, left = done->record_rounds + 1; step > 0 && left > 0; step--) {
+  for (uint32_t step = 20, left = done->final_rounds + done->record_rounds; step > 0 && left > 0; step--) {
     snprintf(path, sizeof path, "%s/light-%u-0.unit", p->folder, step);
     left -= unlink(path) == 0;
   }

@@ -12,8 +12,9 @@ enum { MOST_CAST = UINT16_MAX }; // rays counted for one ray
 // What a unit's rays have in common. The slot OLX_INPUT_SURFELS of the inputs names the surfels.
 typedef struct kept_header {
   olx_scene_inputs inputs;
-  uint32_t count, rays, guided, kinds; // surfels, 0 where nothing is kept; rays of each; whether guided; kinds of rays
-  uint32_t lights, unused;             // 0: fills the struct
+  uint32_t count, rays, guided,
+      kinds;               // surfels, 0 where nothing is kept; rays of each; whether there is a guide; kinds
+  uint32_t lights, unused; // 0: fills the struct
 } kept_header;
 
 // What rays of one kind depend on.
@@ -158,7 +159,7 @@ typedef struct olx_former_unit {
   const kept_header *header;
   const uint32_t *surfels;
   const uint64_t *checks;
-  const uint16_t *bins; // NULL: rays are drawn evenly
+  const uint16_t *bins; // NULL: there is no guide
   const uint32_t *kinds;
   const ray_kind *table;
   const uint16_t *cast;

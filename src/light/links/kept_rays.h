@@ -2,8 +2,9 @@
 // would find something else.
 //
 // The rays of a surfel are the same as before when its check is, which covers everything that they are drawn from but
-// their number: a guide changes only how many there are in each of its bins (ray_guide.h). A ray finds the same when no material that it met has changed, nor any emitter where it looked for light, nor geometry
-// in a brick of space that it crossed, nor the surfels where it ended (former_surfels.h).
+// their number: a guide changes only how many there are in each of its bins (ray_guide.h). A ray finds the same when no
+// material that it met has changed, nor any emitter where it looked for light, nor geometry in a brick of space that it
+// crossed, nor the surfels where it ended (former_surfels.h).
 #ifndef OLX_LIGHT_KEPT_RAYS_H
 #define OLX_LIGHT_KEPT_RAYS_H
 
@@ -23,7 +24,7 @@ typedef struct olx_kept_ray {
 // The rays of a unit, while it is cast.
 typedef struct olx_kept_rays {
   uint64_t *checks;   // one for each surfel; NULL: nothing is kept
-  uint16_t *bins;     // OLX_GUIDE_BINS for each surfel, with its rays in each bin; NULL: rays are drawn evenly
+  uint16_t *bins;     // OLX_GUIDE_BINS for each surfel, with its rays in each bin; NULL: there is no guide
   olx_kept_ray *rays; // one for each link
 } olx_kept_rays;
 

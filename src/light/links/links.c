@@ -140,7 +140,7 @@ static void keep_end(const cast_job *c, size_t at, const olx_ray_end *end) {
 static void keep_plan(const cast_job *c, uint32_t n, uint64_t check, const ray_plan *plan) {
   olx_kept_rays *kept = c->keeping.kept;
   kept->checks[n] = check;
-  if (plan->pool) memcpy(kept->bins + (size_t)n * OLX_GUIDE_BINS, plan->bins, sizeof plan->bins);
+  if (kept->bins) memcpy(kept->bins + (size_t)n * OLX_GUIDE_BINS, plan->bins, sizeof plan->bins);
 }
 
 // Adds the light that a ray brings without its link, and returns its luminance times pi.

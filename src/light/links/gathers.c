@@ -3,7 +3,6 @@
 #include "light/links/gathers.h"
 
 #include "core/chunk_file.h"
-#include "core/sampling.h"
 
 #include <string.h>
 

@@ -66,8 +66,8 @@ typedef struct olx_passed_light {
   uint32_t bounces;
 } olx_passed_light;
 
-// Returns the irradiance in W/m^2 that a ray brings: `factor` times what it found, and `near_factor` times its sample of
-// the light of surfaces near lamps.
+// Returns the irradiance in W/m^2 that a ray brings: `factor` times what it found, and `near_factor` times its sample
+// of the light of surfaces near lamps.
 olx_vec3 olx_ray_end_light(const olx_ray_end *end, float factor, float near_factor, const olx_passed_light *light);
 
 // Continues a ray that ended at a surface without a surfel by a cosine-distributed ray from there. `chain` is the

@@ -49,8 +49,8 @@ void olx_guide_add(olx_guide_sums *sums, olx_vec2 point, float light);
 void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 
 // Divides rays among bins by a pool's density, or evenly when that is NULL: each bin gets a power of two of them, so
-// that they are evenly distributed within it, and all together are `rays`, a power of two from OLX_GUIDE_BINS to 32768. The
-// bin with the fewest rays for its density is doubled first, as long as there are rays left.
+// that they are evenly distributed within it, and all together are `rays`, a power of two from OLX_GUIDE_BINS to 32768.
+// The bin with the fewest rays for its density is doubled first, as long as there are rays left.
 void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]);
 
 // The points of a (0, 2)-sequence over the square by bins: of every 64 consecutive points one lies in each bin, so that

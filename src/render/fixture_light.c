@@ -29,34 +29,39 @@ float olx_glossy_density(const olx_shading *s, olx_vec3 direction) {
   return alpha > 0.0f ? olx_ggx_pdf(alpha, s->view, olx_shading_local(s, direction)) : 0.0f;
 }
 
-// The irradiance of a hit by the lamps that it is near, without shadows.
-typedef struct near_light {
-  olx_vec3 here;
-  olx_vec3 most; // about the most that the texel's mean can hold
-} near_light;
-
 static olx_vec3 irradiance_at(const olx_field_light *light, olx_vec3 position, olx_vec3 normal) {
   const olx_light_arrival arrival = olx_field_light_arrival(light, position);
   return olx_scale(arrival.irradiance, olx_max(olx_dot(arrival.direction, normal), 0.0f));
 }
 
-static near_light light_nearby(const olx_render_context *context, const olx_trace_hit *hit) {
-  near_light sum = {.here = olx_splat(0.0f), .most = olx_splat(0.0f)};
+// Returns the greatest share of its irradiance under a lamp that a surface can have as the mean of a disc. `height`: of
+// the lamp, `distance`: of the lamp from the place of the irradiance, of which the share is taken.
+static float share_of_disc(float radius, float height, float distance) {
+  const float sine = height / sqrtf(olx_square(radius) + olx_square(height));
+  return olx_min(1.0f, 2.0f * (1.0f - sine) / olx_square(radius) * distance * olx_square(distance) / height);
+}
+
+// Returns about the most that the texel of a hit can hold, as the mean of its footprint, of the light of the lamps that
+// are near.
+static olx_vec3 light_nearby(const olx_render_context *context, const olx_trace_hit *hit) {
+  olx_vec3 sum = olx_splat(0.0f);
   for (uint32_t i = 0; i < context->field->surfaces.light_count; i++) {
     const olx_field_light *light = &context->field->surfaces.lights[i];
     const float radius = context->lamps.radius[i];
     const olx_vec3 way = olx_sub(light->position, hit->position);
-    if (!(radius > 0.0f) || !(olx_dot(way, way) < radius * radius)) continue;
-    const olx_vec3 along = olx_madd(way, hit->normal, -olx_dot(way, hit->normal));
+    const float height = olx_dot(way, hit->normal);
+    if (!(radius > 0.0f) || !(olx_dot(way, way) < radius * radius) || !(height > 0.0f)) continue;
+    const olx_vec3 along = olx_madd(way, hit->normal, -height);
     const float side = olx_length(along), step = olx_min(side, TEXEL_REACH * hit->footprint_metres);
     const olx_vec3 nearest = side > 0.0f ? olx_madd(hit->position, along, step / side) : hit->position;
-    sum.here = olx_add(sum.here, irradiance_at(light, hit->position, hit->normal));
-    sum.most = olx_add(sum.most, irradiance_at(light, nearest, hit->normal));
+    const float distance = sqrtf(olx_square(height) + olx_square(side - step));
+    const float share = share_of_disc(hit->footprint_metres / sqrtf(OLX_PI), height, distance);
+    sum = olx_madd(sum, irradiance_at(light, nearest, hit->normal), share);
   }
   return sum;
 }
 
-static float share_of(float most, float stored, float all) { return all > 0.0f ? olx_min(most, stored) / all : 0.0f; }
+static float share_of(float part, float all) { return all > 0.0f ? part / all : 0.0f; }
 
 void olx_fixtures_leave(const olx_render_context *context, olx_vec3 direction, float density, olx_trace_hit *hit) {
   const olx_near_lamps *lamps = &context->lamps;
@@ -64,18 +69,18 @@ void olx_fixtures_leave(const olx_render_context *context, olx_vec3 direction, f
   if (lamps->count == 0 || !(density > 0.0f) || hit->status == OLX_TRACE_MISS || hit->probe == UINT32_MAX) return;
   const float cosine = -olx_dot(direction, hit->normal);
   if (!(cosine > 0.0f)) return;
-  const near_light near = light_nearby(context, hit);
-  if (!(olx_max3(near.here) > 0.0f)) return;
+  const olx_vec3 stored = olx_texel_direct(field, hit->probe, hit->texel),
+                 of_lamps = olx_min_each(light_nearby(context, hit), stored);
+  if (!(olx_max3(of_lamps) > 0.0f)) return;
   const olx_bsdf bsdf = olx_texel_material(field, hit->probe, hit->texel);
-  const float reflected = olx_luminance(olx_mul(olx_bsdf_matte(&bsdf).albedo, near.here)) * (1.0f / OLX_PI);
-  // Both densities are per square metre of the surface that the ray hit.
+  const float reflected = olx_luminance(olx_mul(olx_bsdf_matte(&bsdf).albedo, of_lamps)) * (1.0f / OLX_PI);
+  // Both densities are per square metre of the surface that the ray hit. That of points is the mean of the texel's
+  // footprint, as its light is: at the hit itself it can be much lower, and the light of the whole footprint would stay.
   const float of_points = reflected / lamps->light, of_ray = density * cosine / olx_square(hit->distance_metres);
   const float taken = of_points / (of_points + of_ray);
-  const olx_vec3 stored = olx_texel_direct(field, hit->probe, hit->texel);
   const olx_vec3 all =
       olx_madd(stored, olx_texel_indirect(field, hit->probe, hit->texel), 1.0f - field->info.bounces.last);
-  const olx_vec3 share = {share_of(near.most.x, stored.x, all.x), share_of(near.most.y, stored.y, all.y),
-                          share_of(near.most.z, stored.z, all.z)};
+  const olx_vec3 share = {share_of(of_lamps.x, all.x), share_of(of_lamps.y, all.y), share_of(of_lamps.z, all.z)};
   const olx_vec3 from_lamps = olx_mul(olx_sub(hit->radiance, hit->lobe), share);
   hit->radiance = olx_madd(hit->radiance, from_lamps, -taken);
 }

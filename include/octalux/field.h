@@ -28,7 +28,7 @@ typedef enum olx_select {
   OLX_SELECT_OCTREE,     // Wang 2018, section 4.2: a sparse voxel octree, up to four probes a leaf
   OLX_SELECT_BRICKS,     // cells of space that list the probes which see them (docs/maths.md)
   OLX_SELECT_EXHAUSTIVE, // every probe that sees the place that the ray has reached, nearest first: slow, the reference
-  OLX_SELECT_BEST        // the first of cage, bricks, voronoi, octree that the field has, else exhaustive
+  OLX_SELECT_BEST        // the first of bricks, cage, voronoi, octree that the field has, else exhaustive
 } olx_select;
 
 // Returns a selector's name: "cage", "voronoi", "octree", "bricks", "exhaustive" or "best".

@@ -15,8 +15,8 @@ bool olx_select_available(uint select) {
 // OLX_SELECT_EXHAUSTIVE.
 uint olx_select_resolve(uint asked) {
   if (asked != OLX_SELECT_BEST) return olx_select_available(asked) ? asked : OLX_SELECT_EXHAUSTIVE;
-  if (olx_select_available(OLX_SELECT_CAGE)) return OLX_SELECT_CAGE;
   if (olx_select_available(OLX_SELECT_BRICKS)) return OLX_SELECT_BRICKS;
+  if (olx_select_available(OLX_SELECT_CAGE)) return OLX_SELECT_CAGE;
   return olx_select_available(OLX_SELECT_VORONOI) ? OLX_SELECT_VORONOI : OLX_SELECT_EXHAUSTIVE;
 }
 

@@ -9,7 +9,7 @@ bool olx_select_available(const olx_field *field, olx_select select) {
 
 olx_select olx_select_resolve(const olx_field *field, olx_select asked) {
   if (asked != OLX_SELECT_BEST) return olx_select_available(field, asked) ? asked : OLX_SELECT_EXHAUSTIVE;
-  static const olx_select best[] = {OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI, OLX_SELECT_OCTREE};
+  static const olx_select best[] = {OLX_SELECT_BRICKS, OLX_SELECT_CAGE, OLX_SELECT_VORONOI, OLX_SELECT_OCTREE};
   for (uint32_t i = 0; i < sizeof best / sizeof best[0]; i++) {
     if (olx_select_available(field, best[i])) return best[i];
   }

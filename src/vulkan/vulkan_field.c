@@ -452,7 +452,7 @@ void olx_vulkan_field_destroy(olx_vulkan_field *gpu) {
 }
 
 olx_select olx_vulkan_field_select(const olx_vulkan_field *gpu, olx_select asked) {
-  static const olx_select best[] = {OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_VORONOI};
+  static const olx_select best[] = {OLX_SELECT_BRICKS, OLX_SELECT_CAGE, OLX_SELECT_VORONOI};
   const uint32_t mask = gpu->constants.select_mask;
   if (asked < OLX_SELECT_EXHAUSTIVE) return mask >> asked & 1u ? asked : OLX_SELECT_EXHAUSTIVE;
   for (uint32_t i = 0; asked == OLX_SELECT_BEST && i < sizeof best / sizeof best[0]; i++) {

@@ -18,8 +18,8 @@ const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
 
 // Returns the selector of a field, as OLX_SELECT_BEST in octalux/sample.h.
 function selectorOf(mask) {
-  if (mask & CAGE) return 'OLX_SELECT_CAGE';
   if (mask & BRICKS) return 'OLX_SELECT_BRICKS';
+  if (mask & CAGE) return 'OLX_SELECT_CAGE';
   return mask & VORONOI ? 'OLX_SELECT_VORONOI' : 'OLX_SELECT_EXHAUSTIVE';
 }
 

@@ -120,9 +120,10 @@ static void primitives_that_do_not_fit_their_stream_are_refused(void **state) {
   } cases[] = {
       {WITH(ATTRIBUTES ", \"indices\": 3", "\"bufferView\": 9, " IDS), "bufferView of its Draco compression"},
       {WITH(ATTRIBUTES ", \"indices\": 3, \"mode\": 5", "\"bufferView\": 0, " IDS), "not made of separate triangles"},
-      {WITH(ATTRIBUTES, "\"bufferView\": 0, " IDS), "no data"},
-      {WITH(ATTRIBUTES ", \"indices\": 3", "\"bufferView\": 0, \"attributes\": {\"NORMAL\": 1}"), "no data"},
-      {WITH("\"attributes\": {\"POSITION\": 0}, \"indices\": 3", "\"bufferView\": 0, " IDS), "no data"},
+      {WITH(ATTRIBUTES, "\"bufferView\": 0, " IDS), "other numbers of triangles or points"},
+      {WITH(ATTRIBUTES ", \"indices\": 3", "\"bufferView\": 0, \"attributes\": {\"NORMAL\": 1}"), "has no positions"},
+      {WITH("\"attributes\": {\"POSITION\": 0}, \"indices\": 3", "\"bufferView\": 0, " IDS),
+       "names an attribute that it does not have"},
       {WITH("\"attributes\": {\"POSITION\": 0, \"_A\": 1, \"_B\": 2}, \"indices\": 3",
             "\"bufferView\": 0, \"attributes\": {\"POSITION\": 0, \"_A\": 1, \"_B\": 2, \"_C\": 3}"),
        "names an attribute that it does not have"},

@@ -69,11 +69,10 @@ static olx_result read_sparse(const olx_gltf *gltf, uint32_t i, const cJSON *ele
   return OLX_OK;
 }
 
-// Limits accessors without a view, whose zeros take memory without any bytes in the file.
+// Limits accessors without a view, whose zeros take memory without any bytes in the file. Those without any data at all
+// pass, since nothing may refer to them: programs that compress meshes leave such accessors behind.
 static olx_result check_zeros(const olx_gltf *gltf, uint32_t i, const olx_gltf_accessor *a) {
   uint64_t size_bytes = gltf->file.size_bytes;
-  if (!a->sparse.count)
-    return olx_gltf_fail(gltf, "accessors", i, "it has no data: neither a bufferView nor sparse values");
   for (uint32_t b = 0; b < gltf->buffers.count; ++b) size_bytes += gltf->buffer_data[b].bytes.size_bytes;
   if (a->count <= size_bytes) return OLX_OK;
   return olx_gltf_fail(gltf, "accessors", i, "it has no bufferView, and more elements than the file has bytes");
@@ -210,8 +209,12 @@ static olx_result replace_sparse(const olx_gltf *gltf, uint32_t accessor, uint32
 }
 
 // Finds the first element of an accessor; NULL when all are 0 unless replaced.
-static olx_result find_elements(const olx_gltf *gltf, const olx_gltf_accessor *a, const uint8_t **elements) {
+static olx_result find_elements(const olx_gltf *gltf, uint32_t accessor, const uint8_t **elements) {
+  const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
   *elements = a->decoded;
+  if (a->view == OLX_GLTF_NONE && !a->decoded && !a->sparse.count) {
+    return olx_gltf_fail(gltf, "accessors", accessor, "it has no data: neither a bufferView nor sparse values");
+  }
   if (a->view == OLX_GLTF_NONE) return OLX_OK;
   olx_gltf_bytes bytes;
   OLX_TRY(olx_gltf_view_bytes(gltf, a->view, &bytes));
@@ -222,7 +225,7 @@ static olx_result find_elements(const olx_gltf *gltf, const olx_gltf_accessor *a
 olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers) {
   const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
   const uint8_t *elements;
-  OLX_TRY(find_elements(gltf, a, &elements));
+  OLX_TRY(find_elements(gltf, accessor, &elements));
   if (elements) read_elements(a, elements, components, numbers);
   else clear_elements(a, components, numbers);
   return a->sparse.count ? replace_sparse(gltf, accessor, components, numbers) : OLX_OK;
@@ -246,7 +249,7 @@ static olx_result replace_sparse_indices(const olx_gltf *gltf, uint32_t accessor
 olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices) {
   const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
   const uint8_t *elements;
-  OLX_TRY(find_elements(gltf, a, &elements));
+  OLX_TRY(find_elements(gltf, accessor, &elements));
   if (elements) {
     for (uint64_t i = 0; i < a->count; ++i) indices[i] = integer_at(elements + i * a->stride, a->type);
   } else {

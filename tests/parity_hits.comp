@@ -57,11 +57,12 @@ void hits_rows() {
     put(a.direction), put(a.irradiance);
   } break;
   case ROW_olx_highlight: put(olx_highlight(some_surface(), view, random.x)); break;
-  case ROW_olx_light_without_shadows: {
-    olx_unshadowed free = olx_light_without_shadows(some_surface());
-    put(free.irradiance), put(free.specular);
+  case ROW_olx_light_of_lamps: {
+    olx_possible_light lamps = olx_light_of_lamps(some_surface());
+    put(lamps.irradiance), put(lamps.specular);
   } break;
-  case ROW_olx_lit_share: put(olx_lit_share(abs(direction), vec3(random.x, 0.0, random.y))); break;
+  case ROW_olx_share_within: put(olx_share_within(abs(direction), vec3(random.x, 0.0, random.y))); break;
+  case ROW_olx_likely_share: put(olx_likely_share(random.x)); break;
   case ROW_olx_texel_shade: {
     olx_reflection light = olx_texel_shade(olx_map_origin(probe), texel, point, direction, bits.x % 3u == 0u);
     put(light.reflected), put(light.lobe);

@@ -263,32 +263,33 @@
 #define ROW_olx_field_light_cone 236
 #define ROW_olx_field_light_arrival 237
 #define ROW_olx_highlight 238
-#define ROW_olx_light_without_shadows 239
-#define ROW_olx_lit_share 240
-#define ROW_olx_texel_shade 241
-#define ROW_olx_further_draw 242
-#define ROW_olx_further_light 243
-#define ROW_olx_surface_at 244
-#define ROWS_OF_HITS 245
+#define ROW_olx_light_of_lamps 239
+#define ROW_olx_share_within 240
+#define ROW_olx_likely_share 241
+#define ROW_olx_texel_shade 242
+#define ROW_olx_further_draw 243
+#define ROW_olx_further_light 244
+#define ROW_olx_surface_at 245
+#define ROWS_OF_HITS 246
 
 // Rows that need no field, and so have a test and a shader of their own.
-#define ROW_olx_volume_find 245
-#define ROW_olx_volume_weight 246
-#define ROW_olx_volume_light 247
-#define ROW_olx_volume_coefficient 248
-#define ROW_olx_harmonics_at 249
-#define ROW_olx_volume_probe 250
-#define ROW_olx_volume_both 251
+#define ROW_olx_volume_find 246
+#define ROW_olx_volume_weight 247
+#define ROW_olx_volume_light 248
+#define ROW_olx_volume_coefficient 249
+#define ROW_olx_harmonics_at 250
+#define ROW_olx_volume_probe 251
+#define ROW_olx_volume_both 252
 
 // Rows of geometry blocks, which need no field either.
-#define ROW_olx_plane_decode 252
-#define ROW_olx_geometry_pooled 253
-#define ROW_olx_geometry_plane_of 254
-#define ROW_olx_geometry_nearest 255
-#define ROW_olx_plane_depth 256
-#define ROW_olx_plane_normal 257
-#define ROW_olx_plane_distance 258
-#define ROW_olx_block_texel_point 259
-#define ROW_olx_turn 260
+#define ROW_olx_plane_decode 253
+#define ROW_olx_geometry_pooled 254
+#define ROW_olx_geometry_plane_of 255
+#define ROW_olx_geometry_nearest 256
+#define ROW_olx_plane_depth 257
+#define ROW_olx_plane_normal 258
+#define ROW_olx_plane_distance 259
+#define ROW_olx_block_texel_point 260
+#define ROW_olx_turn 261
 
 #endif

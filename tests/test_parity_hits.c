@@ -78,9 +78,10 @@ ROW(field_light_cone, const olx_field_light l = some_light(s);
 ROW(field_light_arrival, const olx_field_light l = some_light(s);
     const olx_light_arrival a = olx_field_light_arrival(&l, s->point); put_3(r, a.direction); put_3(r, a.irradiance);)
 ROW(highlight, const texel_surface t = some_surface(s); put_3(r, highlight(&t, s->view, s->random[0]));)
-ROW(light_without_shadows, const texel_surface t = some_surface(s);
-    const unshadowed free = light_without_shadows(s->field, &t); put_3(r, free.irradiance); put_3(r, free.specular);)
-ROW(lit_share, put_f(r, lit_share(absolute(s->direction), olx_v3(s->random[0], 0.0f, s->random[1])));)
+ROW(light_of_lamps, const texel_surface t = some_surface(s);
+    const possible_light lamps = light_of_lamps(s->field, &t); put_3(r, lamps.irradiance); put_3(r, lamps.specular);)
+ROW(share_within, put_f(r, share_within(absolute(s->direction), olx_v3(s->random[0], 0.0f, s->random[1])));)
+ROW(likely_share, put_f(r, likely_share(s->random[0]));)
 ROW(texel_shade,
     const olx_texel_light light = olx_texel_shade(s->field, s->probe, texel_of(s), s->point, s->direction,
                                                   s->bits[0] % 3u == 0u);
@@ -105,8 +106,9 @@ static const parity_row ROWS[] = {
     PARITY(field_light_cone, 1e-5f, 0),
     PARITY(field_light_arrival, 1e-5f, 0),
     PARITY(highlight, 1e-4f, 0),
-    PARITY(light_without_shadows, 1e-4f, 1e-3),
-    PARITY(lit_share, 1e-5f, 0),
+    PARITY(light_of_lamps, 1e-4f, 1e-3),
+    PARITY(share_within, 1e-5f, 0),
+    PARITY(likely_share, 1e-6f, 0),
     PARITY(texel_shade, 1e-4f, 1e-3),
     PARITY(further_draw, 1e-4f, 1e-3),
     PARITY(further_light, 1e-5f, 1e-3),

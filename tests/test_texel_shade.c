@@ -1,8 +1,8 @@
 // Tests light at the end of a ray on surfaces whose material, light and lamps are known, shaded for the direction of
 // the ray.
 #include "analytic_field.h"
-#include "field/texels.h"
 #include "core/sampling.h"
+#include "field/texels.h"
 #include "trace/texel_shade.h"
 
 #include <octalux/sample.h>
@@ -37,8 +37,7 @@ static olx_vec3 lamp_irradiance(olx_vec3 position, olx_vec3 normal) {
 }
 
 // Makes a room whose surfaces all have this material, indirect light `indirect` and, where `lit`, the lamp's light.
-static olx_field *room_of(float base, float roughness, float metallic, float weight, bool lit,
-                          float indirect) {
+static olx_field *room_of(float base, float roughness, float metallic, float weight, bool lit, float indirect) {
   olx_field *field = analytic_field_make(&room, &grid, 256, 16);
   const olx_texel_material_codes codes = olx_material_pack(olx_splat(base), roughness, metallic, weight);
   for (uint32_t probe = 0; probe < field->info.probes.count; probe++) {
@@ -102,6 +101,35 @@ static void a_shadow_hides_the_highlight(void **state) {
     assert_int_equal(hit.status, OLX_TRACE_HIT);
     assert_true(olx_max3(hit.radiance) == 0.0f);
   }
+  analytic_field_free(field);
+}
+
+// A sun that would be much brighter than what is stored does not reach the surface, and what is stored is the lamp's.
+static void a_lamp_brings_no_highlight_of_a_sun_that_is_shadowed(void **state) {
+  (void)state;
+  olx_field *field = room_of(0.9f, 0.4f, 1.0f, 1.0f, true, 0.0f);
+  const olx_vec3 to_sun = olx_normalize(olx_v3(0.5f, 0.7f, 0.3f));
+  const float sun_irradiance = 1000.0f;
+  const olx_field_light lights[2] = {
+      lamp, {.type = OLX_LIGHT_SUN, .direction = olx_negate(to_sun), .emission = olx_splat(sun_irradiance)}};
+  const olx_sample_settings settings = olx_sample_settings_default();
+  uint32_t facing = 0;
+  for (uint32_t i = 0; i < 1000; i++) {
+    const olx_vec3 direction = ray_direction(i);
+    const olx_trace_hit alone = olx_trace(field, &settings, eye, direction, INFINITY);
+    field->surfaces.lights = lights;
+    field->surfaces.light_count = 2;
+    const olx_trace_hit both = olx_trace(field, &settings, eye, direction, INFINITY);
+    field->surfaces.lights = &lamp;
+    field->surfaces.light_count = 1;
+    const float unshadowed = sun_irradiance * olx_dot(to_sun, alone.normal);
+    if (unshadowed < 4.0f * olx_max3(olx_texel_direct(field, alone.probe, alone.texel))) continue;
+    facing++;
+    assert_true(olx_max3(alone.radiance) > 0.0f);
+    assert_memory_equal(&both.radiance, &alone.radiance, sizeof both.radiance);
+    assert_memory_equal(&both.lobe, &alone.lobe, sizeof both.lobe);
+  }
+  assert_true(facing > 300);
   analytic_field_free(field);
 }
 
@@ -170,8 +198,8 @@ static void a_mirror_is_followed_by_one_further_ray(void **state) {
     // A mirror whose normal is along `direction` reflects the ray straight back, which shows the surface in that
     // direction.
     const olx_vec3 down = olx_normalize(olx_v3(-0.5f - fabsf(direction.x), -1.0f, 0.5f * direction.z));
-    const olx_vec3 light = olx_glossy(field, &settings, position, down, down, 0.0f, (olx_vec2){0.5f, 0.5f}, &weight,
-                                      &half_cosine, &hit);
+    const olx_vec3 light =
+        olx_glossy(field, &settings, position, down, down, 0.0f, (olx_vec2){0.5f, 0.5f}, &weight, &half_cosine, &hit);
     const analytic_hit first = analytic_cast(&room, position, down);
     if (first.normal.y < 0.9f) continue;
     floor_hits++;
@@ -220,6 +248,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_metal_under_a_lamp_has_its_highlight),
       cmocka_unit_test(a_shadow_hides_the_highlight),
+      cmocka_unit_test(a_lamp_brings_no_highlight_of_a_sun_that_is_shadowed),
       cmocka_unit_test(the_lobe_gets_what_is_not_the_lamps),
       cmocka_unit_test(behind_a_surface_there_is_no_direct_light),
       cmocka_unit_test(a_mirror_is_followed_by_one_further_ray),

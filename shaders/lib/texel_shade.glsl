@@ -18,8 +18,8 @@ struct olx_texel_surface {
   vec3 direct;  // irradiance, W/m^2
 };
 
-// The light of all lights without area, as if nothing shadowed the surface.
-struct olx_unshadowed {
+// The light of those lights without area that stored direct light may come from.
+struct olx_possible_light {
   vec3 irradiance;
   vec3 specular; // radiance towards the eye
 };
@@ -41,28 +41,35 @@ vec3 olx_highlight(olx_texel_surface s, vec3 to_light, float cosine_light) {
   return olx_fresnel(s.bsdf, olx_dot(s.view, half_vector)) * (a2 * g / (4.0 * OLX_PI * d * d * s.cosine));
 }
 
-olx_unshadowed olx_light_without_shadows(olx_texel_surface s) {
-  olx_unshadowed sum = olx_unshadowed(vec3(0.0), vec3(0.0));
+// Returns the largest share of light that can be part of stored light: in no colour channel more than that has.
+float olx_share_within(vec3 stored, vec3 light) {
+  float share = 1.0;
+  if (light.x > 0.0) share = min(share, stored.x / light.x);
+  if (light.y > 0.0) share = min(share, stored.y / light.y);
+  if (light.z > 0.0) share = min(share, stored.z / light.z);
+  return share;
+}
+
+// Returns how much of a light shines on a surface whose direct light has room for a share of it. Where there is little
+// room a shadow is more likely than a faint light, because other lights and the sky reach into shadows too. On the edge
+// of a shadow, where all shares are as likely, the mean is kept.
+float olx_likely_share(float room) { return clamp(2.0 * room - 0.5, 0.0, 1.0); }
+
+olx_possible_light olx_light_of_lamps(olx_texel_surface s) {
+  olx_possible_light sum = olx_possible_light(vec3(0.0), vec3(0.0));
   bool shines = s.bsdf.alpha > 0.0 && olx_bsdf_has_specular(s.bsdf);
   for (uint i = 0u; i < olx_field.light_count; i++) {
     olx_light_arrival light = olx_field_light_arrival(olx_field_light_at(i), s.position);
     float cosine = olx_dot(light.direction, s.normal);
     if (!(cosine > 0.0)) continue;
-    sum.irradiance += light.irradiance * cosine;
-    if (shines) sum.specular += light.irradiance * olx_highlight(s, light.direction, cosine);
+    vec3 irradiance = light.irradiance * cosine;
+    float share = olx_likely_share(olx_share_within(s.direct, irradiance));
+    sum.irradiance += irradiance * share;
+    if (shines) sum.specular += light.irradiance * olx_highlight(s, light.direction, cosine) * share;
   }
   // A damaged file may hold a light whose sum is not finite.
   bool finite = olx_finite(sum.irradiance) && olx_finite(sum.specular);
-  return olx_unshadowed(finite ? sum.irradiance : vec3(0.0), finite ? sum.specular : vec3(0.0));
-}
-
-// Returns the share of unshadowed light that arrives: in each colour channel at most what is stored.
-float olx_lit_share(vec3 stored, vec3 most) {
-  float share = 1.0;
-  if (most.x > 0.0) share = min(share, stored.x / most.x);
-  if (most.y > 0.0) share = min(share, stored.y / most.y);
-  if (most.z > 0.0) share = min(share, stored.z / most.z);
-  return share;
+  return olx_possible_light(finite ? sum.irradiance : vec3(0.0), finite ? sum.specular : vec3(0.0));
 }
 
 // Shades a texel's surface. `position` is on that surface, in metres; `direction` is the unit direction of the ray that
@@ -82,10 +89,10 @@ olx_reflection olx_texel_shade(ivec3 origin, ivec2 texel, vec3 position, vec3 di
   olx_reflection light =
       olx_reflection(olx_bsdf_diffuse(s.bsdf, s.cosine) * all_light * (1.0 / OLX_PI), vec3(0.0));
   if (olx_bsdf_has_specular(s.bsdf)) {
-    olx_unshadowed free = olx_light_without_shadows(s);
-    float share = olx_lit_share(s.direct, free.irradiance);
-    light.reflected += free.specular * share;
-    vec3 rest = max(all_light - free.irradiance * share, vec3(0.0));
+    olx_possible_light lamps = olx_light_of_lamps(s);
+    float share = olx_share_within(s.direct, lamps.irradiance);
+    light.reflected += lamps.specular * share;
+    vec3 rest = max(all_light - lamps.irradiance * share, vec3(0.0));
     light.lobe = olx_bsdf_specular_albedo(s.bsdf, s.cosine) * rest * (1.0 / OLX_PI);
   }
   return light;

@@ -14,11 +14,11 @@ typedef struct texel_surface {
   olx_vec3 direct; // irradiance, W/m^2
 } texel_surface;
 
-// The light of all lights without area, as if nothing shadowed the surface.
-typedef struct unshadowed {
+// The light of those lights without area that stored direct light may come from.
+typedef struct possible_light {
   olx_vec3 irradiance;
   olx_vec3 specular; // radiance towards the eye
-} unshadowed;
+} possible_light;
 
 // Returns specular radiance towards the eye per irradiance on a surface that faces the light; the cosine at the surface
 // is included.
@@ -31,28 +31,36 @@ static olx_vec3 highlight(const texel_surface *s, olx_vec3 to_light, float cosin
   return olx_scale(olx_fresnel(&s->bsdf, olx_dot(s->view, half)), a2 * g / (4.0f * OLX_PI * d * d * s->cosine));
 }
 
-static unshadowed light_without_shadows(const olx_field *field, const texel_surface *s) {
-  unshadowed sum = {.irradiance = olx_splat(0.0f)};
+// Returns the largest share of light that can be part of stored light: in no colour channel more than that has.
+static float share_within(olx_vec3 stored, olx_vec3 light) {
+  float share = 1.0f;
+  if (light.x > 0.0f) share = olx_min(share, stored.x / light.x);
+  if (light.y > 0.0f) share = olx_min(share, stored.y / light.y);
+  if (light.z > 0.0f) share = olx_min(share, stored.z / light.z);
+  return share;
+}
+
+// Returns how much of a light shines on a surface whose direct light has room for a share of it. Where there is little
+// room a shadow is more likely than a faint light, because other lights and the sky reach into shadows too. On the edge
+// of a shadow, where all shares are as likely, the mean is kept.
+static float likely_share(float room) { return olx_clamp(2.0f * room - 0.5f, 0.0f, 1.0f); }
+
+static possible_light light_of_lamps(const olx_field *field, const texel_surface *s) {
+  possible_light sum = {.irradiance = olx_splat(0.0f)};
   if (field->surfaces.light_count > OLX_MOST_HIGHLIGHTS) return sum;
   const bool shines = s->bsdf.alpha > 0.0f && olx_bsdf_has_specular(&s->bsdf);
   for (uint32_t i = 0; i < field->surfaces.light_count; i++) {
     const olx_light_arrival light = olx_field_light_arrival(&field->surfaces.lights[i], s->position);
     const float cosine = olx_dot(light.direction, s->normal);
     if (!(cosine > 0.0f)) continue;
-    sum.irradiance = olx_madd(sum.irradiance, light.irradiance, cosine);
-    if (shines) sum.specular = olx_add(sum.specular, olx_mul(light.irradiance, highlight(s, light.direction, cosine)));
+    const olx_vec3 irradiance = olx_scale(light.irradiance, cosine);
+    const float share = likely_share(share_within(s->direct, irradiance));
+    sum.irradiance = olx_madd(sum.irradiance, irradiance, share);
+    if (!shines) continue;
+    sum.specular = olx_madd(sum.specular, olx_mul(light.irradiance, highlight(s, light.direction, cosine)), share);
   }
   // A damaged file may hold a light whose sum is not finite.
-  return olx_finite(sum.irradiance) && olx_finite(sum.specular) ? sum : (unshadowed){.irradiance = olx_splat(0.0f)};
-}
-
-// Returns the share of unshadowed light that arrives: in each colour channel at most what is stored.
-static float lit_share(olx_vec3 stored, olx_vec3 most) {
-  float share = 1.0f;
-  if (most.x > 0.0f) share = olx_min(share, stored.x / most.x);
-  if (most.y > 0.0f) share = olx_min(share, stored.y / most.y);
-  if (most.z > 0.0f) share = olx_min(share, stored.z / most.z);
-  return share;
+  return olx_finite(sum.irradiance) && olx_finite(sum.specular) ? sum : (possible_light){.irradiance = olx_splat(0.0f)};
 }
 
 // Returns the direct irradiance of the side that a ray meets. A ray that has gone behind the stored surface, or meets
@@ -76,10 +84,10 @@ olx_texel_light olx_texel_shade(const olx_field *field, uint32_t probe, size_t t
   const olx_vec3 all = olx_madd(s.direct, olx_texel_indirect(field, probe, texel), 1.0f - field->info.bounces.last);
   olx_texel_light light = {.reflected = olx_scale(olx_mul(olx_bsdf_diffuse(&s.bsdf, s.cosine), all), 1.0f / OLX_PI)};
   if (!olx_bsdf_has_specular(&s.bsdf)) return light;
-  const unshadowed free = light_without_shadows(field, &s);
-  const float share = lit_share(s.direct, free.irradiance);
-  light.reflected = olx_madd(light.reflected, free.specular, share);
-  const olx_vec3 rest = olx_max_each(olx_madd(all, free.irradiance, -share), olx_splat(0.0f));
+  const possible_light lamps = light_of_lamps(field, &s);
+  const float share = share_within(s.direct, lamps.irradiance);
+  light.reflected = olx_madd(light.reflected, lamps.specular, share);
+  const olx_vec3 rest = olx_max_each(olx_madd(all, lamps.irradiance, -share), olx_splat(0.0f));
   light.lobe = olx_scale(olx_mul(olx_bsdf_specular_albedo(&s.bsdf, s.cosine), rest), 1.0f / OLX_PI);
   return light;
 }

@@ -179,6 +179,15 @@ def check_openings(root, names):
             yield f"{name}:1: does not open with a sentence that says what the file is for"
 
 
+def check_ends(root, names):
+    for name in names:
+        if pathlib.PurePath(name).suffix not in CODE:
+            continue
+        code = (root / name).read_bytes()
+        if code and not code.endswith(b"\n"):
+            yield f"{name}: does not end with a newline, without which clang refuses it"
+
+
 def find_included(names, name, target):
     """The file of the tree that a quoted include means, or None."""
     here, top = pathlib.PurePosixPath(name).parent, name.split("/")[0]
@@ -284,8 +293,8 @@ def check_words(root, names):
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
     names = tracked_files(root)
-    faults = [*check_includes(root, names), *check_openings(root, names), *check_circles(root, names), *check_names(names),
-              *check_links(root, names), *check_words(root, names)]
+    faults = [*check_includes(root, names), *check_openings(root, names), *check_ends(root, names),
+              *check_circles(root, names), *check_names(names), *check_links(root, names), *check_words(root, names)]
     for fault in faults:
         print(fault)
     print(f"{len(names)} files, {len(faults)} violations")

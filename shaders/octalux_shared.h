@@ -238,6 +238,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_SIGHT_START 0.5f // at a ray's start
 #define OLX_SIGHT_STUCK 1.0f // where another probe lost a ray
 #define OLX_SIGHT_LEAST_COSINE 0.1f
+// A ray that starts less high above a surface, in footprints, must leave it: it may have begun on the other side.
+#define OLX_SIGHT_ABOVE 0.25f
 
 // bricks: cells of space that list the probes which see them (docs/format.md).
 #define OLX_BRICK_SIDE 4u   // cells along the side of a brick

@@ -42,6 +42,9 @@ planted() {
 
 clean_tree
 python3 "$check" "$work/tree" || failed=1
+printf '#include <stdint.h>' >src/core/vec.h
+python3 "$check" "$work/tree" >"$work/out" && failed=1
+grep -q '^src/core/vec.h: does not end with a newline' "$work/out" || failed=1
 
 planted src/core/vec.h '#include "trace/trace.h"'
 planted src/trace/trace.c '#include "scene/bvh.h"'

@@ -22,7 +22,7 @@ bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
     precise float reach = sqrt(olx_dot(offset, offset)) * sqrt(olx_texel_solid_angle_near(uv, olx_field.n)) *
                           sqrt(olx_dot(plane, plane));
     if (behind > slack * reach) return false;
-    return leaving == vec3(0.0) || behind <= -reach || !(olx_dot(plane, leaving) > 0.0);
+    return leaving == vec3(0.0) || behind <= -OLX_SIGHT_ABOVE * reach || !(olx_dot(plane, leaving) > 0.0);
   }
   float distance = olx_texel_distance(map, ivec2(texel)), radius = sqrt(olx_dot(offset, offset));
   if (distance >= OLX_INFINITY) return true;
@@ -36,7 +36,7 @@ bool olx_probe_sees(uint probe, vec3 point, float slack, vec3 leaving) {
   precise vec3 above = offset + centre * -distance;
   float height = olx_dot(normal, above);
   if (height < -slack * footprint) return false;
-  return leaving == vec3(0.0) || height >= footprint || olx_dot(normal, leaving) >= 0.0;
+  return leaving == vec3(0.0) || height >= OLX_SIGHT_ABOVE * footprint || olx_dot(normal, leaving) >= 0.0;
 }
 
 #endif

@@ -16,7 +16,7 @@ static inline bool olx_plane_sees(const olx_field *field, uint32_t probe, olx_ve
   const float behind = olx_plane_depth(plane, offset) - 1.0f; // in units of the plane's distance from the probe
   const float footprint = olx_length(offset) * sqrtf(olx_texel_solid_angle_near(uv, field->n)) * olx_length(plane);
   if (behind > slack * footprint) return false;
-  return !leaving || behind <= -footprint || !(olx_dot(plane, *leaving) > 0.0f);
+  return !leaving || behind <= -OLX_SIGHT_ABOVE * footprint || !(olx_dot(plane, *leaving) > 0.0f);
 }
 
 // Returns whether the probe sees `point`: whether it lies in front of the plane of the surfel stored in its direction,
@@ -41,7 +41,7 @@ static inline bool olx_probe_sees(const olx_field *field, uint32_t probe, olx_ve
   if (radius < distance - 2.0f * footprint / cosine) return true;
   const float height = olx_dot(normal, olx_madd(offset, centre, -distance));
   if (height < -slack * footprint) return false;
-  return !leaving || height >= footprint || olx_dot(normal, *leaving) >= 0.0f;
+  return !leaving || height >= OLX_SIGHT_ABOVE * footprint || olx_dot(normal, *leaving) >= 0.0f;
 }
 
 // Decides for several pairs of a probe and a place whether the probe sees the place, by olx_probe_sees; `leaving` is

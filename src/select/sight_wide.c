@@ -60,7 +60,7 @@ WIDE uint32_t see_planes(const olx_field *field, const uint32_t *probes, wide_ve
   const reals size = length(octahedron(uv)), behind = dot(plane, offset) - 1.0f;
   const reals footprint = length(offset) * root(4.0f / (n * n * size * size * size)) * length(plane);
   words sees = ~(behind > slack * footprint);
-  if (leaving) sees &= (behind <= -footprint) | ~(towards > 0.0f);
+  if (leaving) sees &= (behind <= -OLX_SIGHT_ABOVE * footprint) | ~(towards > 0.0f);
   return bits(sees);
 }
 
@@ -100,7 +100,7 @@ WIDE uint32_t see(const olx_field *field, const uint32_t *probes, const olx_vec3
     for (uint32_t i = 0; i < OLX_WIDE_LANES; i++) {
       along.x[i] = leaving[i].x, along.y[i] = leaving[i].y, along.z[i] = leaving[i].z;
     }
-    on &= (height >= footprint) | (dot(normal, along) >= 0.0f);
+    on &= (height >= OLX_SIGHT_ABOVE * footprint) | (dot(normal, along) >= 0.0f);
   }
   return bits(in_front | on);
 }

@@ -188,6 +188,28 @@ static void rays_along_axes_and_through_the_probe_end_where_they_should(void **s
   analytic_field_free(field);
 }
 
+// A lamp close above the floor lights the floor below it, so its rays must end there, with every way to choose probes.
+static void rays_from_close_above_a_surface_end_on_it(void **state) {
+  (void)state;
+  olx_field *field = analytic_field_make(&empty_room, &cage, 64, 16);
+  olx_sample_settings settings = olx_sample_settings_default();
+  for (int select = OLX_SELECT_CAGE; select <= OLX_SELECT_EXHAUSTIVE; select += OLX_SELECT_EXHAUSTIVE) {
+    settings.select = (olx_select)select;
+    for (uint32_t i = 0; i < 200; i++) {
+      const olx_vec3 above = random_point(i, &empty_room), down = random_direction(i);
+      const olx_vec3 d = olx_v3(down.x, -fabsf(down.y), down.z);
+      const olx_trace_hit floor = olx_trace(field, &settings, above, olx_v3(0, -1, 0), INFINITY);
+      assert_int_equal(floor.status, OLX_TRACE_HIT);
+      const float height = 0.6f * floor.footprint_metres;
+      const olx_vec3 o = olx_v3(above.x, empty_room.room.min.y + height, above.z);
+      const olx_trace_hit hit = olx_trace(field, &settings, o, d, INFINITY);
+      assert_int_equal(hit.status, OLX_TRACE_HIT);
+      assert_true(fabsf(hit.distance_metres - analytic_cast(&empty_room, o, d).t) <= 2.0f * hit.footprint_metres);
+    }
+  }
+  analytic_field_free(field);
+}
+
 static void a_ray_that_ends_early_misses(void **state) {
   (void)state;
   olx_field *field = analytic_field_make(&empty_room, &single, 64, 16);
@@ -207,6 +229,7 @@ int main(void) {
       cmocka_unit_test(rays_for_visibility_alone_end_where_others_do),
       cmocka_unit_test(rays_ask_at_most_two_probes_that_no_list_names),
       cmocka_unit_test(rays_along_axes_and_through_the_probe_end_where_they_should),
+      cmocka_unit_test(rays_from_close_above_a_surface_end_on_it),
       cmocka_unit_test(a_ray_that_ends_early_misses),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,8 +37,8 @@ static olx_vec3 irradiance_at(const olx_field_light *light, olx_vec3 position, o
 // Returns the greatest share of its irradiance under a lamp that a surface can have as the mean of a disc. `height`: of
 // the lamp, `distance`: of the lamp from the place of the irradiance, of which the share is taken.
 static float share_of_disc(float radius, float height, float distance) {
-  const float sine = height / sqrtf(olx_square(radius) + olx_square(height));
-  return olx_min(1.0f, 2.0f * (1.0f - sine) / olx_square(radius) * distance * olx_square(distance) / height);
+  const float edge = sqrtf(olx_square(radius) + olx_square(height)); // from the lamp to a disc below it
+  return olx_min(1.0f, 2.0f * distance * olx_square(distance) / (edge * (edge + height) * height));
 }
 
 // Returns about the most that the texel of a hit can hold, as the mean of its footprint, of the light of the lamps that

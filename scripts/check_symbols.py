@@ -3,15 +3,16 @@
 
 The shared runtime needs nothing but libc, libm and threads, and exports exactly the functions of its public headers.
 Every global symbol of the static libraries begins with olx_, so that they clash with nothing a host links; weak ones, of
-C++ templates, clash with nothing. No library can end its host by an assertion, unless --debug says that this is a debug
-build.
+C++ templates, clash with nothing. None is defined twice, which a linker of static libraries does not notice. No library
+can end its host by an assertion, unless --debug says that this is a debug build.
 
 The shared baker, beside static libraries, exports the functions of all public headers and nothing else.
 
-Usage: check_symbols.py [--debug] INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a BAKE.so [HEADER...]; HEADERs are public ones of the runtime that this
-build has beside those it always has.
+Usage: check_symbols.py [--debug] INCLUDE-DIR LIBRARY.so RUNTIME.a BAKE.a BAKE.so [HEADER...]; HEADERs are public ones
+of the runtime that this build has beside those it always has.
 """
 
+import collections
 import pathlib
 import re
 import subprocess
@@ -26,10 +27,14 @@ def output(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def defined(library, *options, weak=True):
+def definitions(library, *options, weak=True):
     lines = output("nm", "--defined-only", "--extern-only", "--format=posix", *options, library).splitlines()
     words = [line.split() for line in lines]
-    return {word[0] for word in words if len(word) >= 2 and (weak or word[1] not in "WVu")}
+    return [word[0] for word in words if len(word) >= 2 and (weak or word[1] not in "WVu")]
+
+
+def defined(library, *options, weak=True):
+    return set(definitions(library, *options, weak=weak))
 
 
 def declared(include, more):
@@ -66,6 +71,8 @@ def main():
         faults += [f"{pathlib.Path(library).name} defines {name}" for name in foreign]
         if not debug and re.search(r"\b__assert", output("nm", "--undefined-only", "--format=posix", library)):
             faults.append(f"{pathlib.Path(library).name} asserts, but this is no debug build")
+    own = collections.Counter(definitions(runtime, weak=False) + definitions(bake, weak=False))
+    faults += [f"defined {count} times: {name}" for name, count in sorted(own.items()) if count > 1]
     for fault in faults:
         print(fault)
     print(f"{len(exported)} exported functions, {len(public)} declared, {len(faults)} violations")

@@ -453,6 +453,27 @@ static void accessors_past_their_buffer_are_refused(void **state) {
 
 // ---- building and identity
 
+static void meshes_beyond_a_few_share_one_warning(void **state) {
+  (void)state;
+  olx_scene scene = {0};
+  const olx_vec3 positions[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const uint32_t indices[] = {0, 1, 2, 0, 1, 1, 2, 2, 1};
+  const olx_material material = olx_material_default();
+  assert_int_equal(olx_scene_add_material(&scene, &material, NULL), OLX_OK);
+  for (int model = 1; model <= 2; ++model) {
+    for (int mesh = 0; mesh < 7; ++mesh) {
+      assert_int_equal(olx_scene_add_mesh(&scene, "broken", positions, NULL, NULL, 3, indices, 3, 0), OLX_OK);
+    }
+    olx_scene_warn_about_rest(&scene, "model.obj");
+    assert_int_equal(scene.warning_count, 5 * model);
+    assert_non_null(strstr(scene.warnings[5 * model - 2], "broken: skipped 2 of 3 triangles"));
+    assert_string_equal(scene.warnings[5 * model - 1], "model.obj: skipped 6 more triangles of 3 more meshes");
+  }
+  olx_scene *owned = olx_allocate_zero(1, sizeof *owned);
+  *owned = scene;
+  olx_scene_free(owned);
+}
+
 static void broken_triangles_are_skipped_and_counted(void **state) {
   (void)state;
   olx_scene scene = {0};
@@ -597,6 +618,7 @@ int main(void) {
       WITH_FOLDER(glb_is_the_same_scene_as_gltf),
       WITH_FOLDER(malformed_gltf_is_refused_by_name),
       WITH_FOLDER(accessors_past_their_buffer_are_refused),
+      cmocka_unit_test(meshes_beyond_a_few_share_one_warning),
       cmocka_unit_test(broken_triangles_are_skipped_and_counted),
       cmocka_unit_test(rectangle_light_shines_along_u_cross_v),
       WITH_FOLDER(hash_follows_what_changes_the_light),

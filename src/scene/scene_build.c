@@ -242,14 +242,30 @@ static void append_shared(olx_scene *scene, uint32_t first, const uint32_t corne
   append_triangle(scene, moved, material);
 }
 
+// A model may have a thousand meshes with such triangles, which bury what matters more.
+enum { MOST_MESHES_NAMED = 4 };
+
 static void warn_about_faults(olx_scene *scene, const char *name, const uint32_t faults[FAULT_COUNT],
                               uint32_t triangle_count) {
   const uint32_t skipped = faults[FAULT_INDEX] + faults[FAULT_POSITION] + faults[FAULT_AREA];
   if (!skipped) return;
+  if (scene->skipping_meshes++ >= MOST_MESHES_NAMED) {
+    scene->unreported_triangles += skipped;
+    return;
+  }
   olx_scene_warn(scene,
                  "%s: skipped %u of %u triangles (%u without area, %u with a position that is NaN or beyond 2e7 m, %u "
                  "with a vertex index out of range)",
                  name, skipped, triangle_count, faults[FAULT_AREA], faults[FAULT_POSITION], faults[FAULT_INDEX]);
+}
+
+void olx_scene_warn_about_rest(olx_scene *scene, const char *path) {
+  if (scene->skipping_meshes > MOST_MESHES_NAMED) {
+    olx_scene_warn(scene, "%s: skipped %llu more triangles of %u more meshes", path,
+                   (unsigned long long)scene->unreported_triangles, scene->skipping_meshes - MOST_MESHES_NAMED);
+  }
+  scene->skipping_meshes = 0;
+  scene->unreported_triangles = 0;
 }
 
 static void append_vertices(olx_scene *scene, const olx_mesh *mesh) {

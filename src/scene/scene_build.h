@@ -35,12 +35,15 @@ typedef struct olx_mesh {
 } olx_mesh;
 
 // Appends a mesh. Degenerate triangles, positions that are NaN or beyond the limit, and indices out of range are
-// skipped and counted in one warning that names `name`.
+// skipped and counted in one warning that names `name`, or, after a few such meshes, in olx_scene_warn_about_rest.
 olx_result olx_scene_append_mesh(olx_scene *scene, const char *name, const olx_mesh *mesh);
 // Appends a mesh with at most normals and uvs, which may be NULL.
 olx_result olx_scene_add_mesh(olx_scene *scene, const char *name, const olx_vec3 *positions, const olx_vec3 *normals,
                               const olx_vec2 *uvs, uint32_t vertex_count, const uint32_t *indices,
                               uint32_t triangle_count, uint32_t material);
+
+// Ends a model: warns about the skipped triangles of all meshes that no warning has named.
+void olx_scene_warn_about_rest(olx_scene *scene, const char *path);
 
 // Logs what was skipped or clamped, once the scene is complete.
 void olx_scene_log_warnings(const olx_scene *scene);

@@ -56,6 +56,8 @@ struct olx_scene {
   uint64_t hash;
   char **warnings;
   uint32_t warning_count;
+  uint32_t skipping_meshes;      // of the model being read: meshes with skipped triangles
+  uint64_t unreported_triangles; // skipped ones of those meshes that no warning names
   struct olx_scene_source *sources; // sources.h
   uint32_t source_count;
   olx_bvh *bvh;           // bvh.h

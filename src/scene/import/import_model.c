@@ -1,5 +1,6 @@
 // Selects the importer of a model by its file name, and turns problems with vertices and triangles into warnings.
 #include "scene/import/import_model.h"
+#include "scene/scene_build.h"
 
 #include "core/result.h"
 
@@ -45,6 +46,7 @@ void olx_warn_about_model(const char *path, const olx_model_notes *notes, olx_sc
   if (notes->thin_faces) {
     olx_scene_warn(scene, "%s: skipped %llu points and lines", path, (unsigned long long)notes->thin_faces);
   }
+  olx_scene_warn_about_rest(scene, path);
   warn_about_coarse_vertices(path, notes, scene);
 }
 

@@ -2,6 +2,7 @@
 // kinds.
 #include "cooked_scenes.h"
 #include "counted_memory.h"
+#include "kept_work.h"
 #include "scene_seeds.h"
 #include "synthetic_field.h"
 
@@ -69,6 +70,26 @@ static void make_fields(void) {
     demand(olx_field_pack(field, &(olx_pack_settings){.level = 3}, path_of("packed", name), NULL, NULL) == OLX_OK,
            name);
   }
+}
+
+// Writes each file of a work folder behind a byte with its number.
+static void make_work(void) {
+  scene_folder folder;
+  kept_work work;
+  demand(scene_folder_create(&folder), "a folder");
+  demand(kept_work_bake(&folder) == OLX_OK && kept_work_read(&folder, &work), "a work folder");
+  for (uint32_t i = 0; i < work.count; i++) {
+    const kept_work_file *file = &work.files[i];
+    uint8_t *seed = malloc(file->size_bytes + 1);
+    demand(seed != NULL, "memory");
+    seed[0] = (uint8_t)i;
+    memcpy(seed + 1, file->bytes, file->size_bytes);
+    write_seed("work", file->name, seed, file->size_bytes + 1);
+    free(seed);
+  }
+  kept_work_free(&work);
+  kept_work_remove(&folder);
+  scene_folder_remove(&folder);
 }
 
 static void cook(const char *name, const char *source) {
@@ -168,6 +189,7 @@ int main(int argc, char **argv) {
   mkdir(root, 0777);
   make_fields();
   make_cooked();
+  make_work();
   make_models();
   make_pictures();
   make_probes();

@@ -12,9 +12,10 @@ enum { MOST_CAST = UINT16_MAX }; // rays counted for one ray
 // What a unit's rays have in common. The slot OLX_INPUT_SURFELS of the inputs names the surfels.
 typedef struct kept_header {
   olx_scene_inputs inputs;
-  uint32_t count, rays, guided,
-      kinds;               // surfels, 0 where nothing is kept; rays of each; whether there is a guide; kinds
-  uint32_t lights, unused; // 0: fills the struct
+  uint32_t count, rays;   // surfels, 0 where nothing is kept; rays of each
+  uint32_t guided, kinds; // whether there is a guide; kinds of rays
+  uint32_t lights;        // light that rays bring without their links
+  uint32_t unused;        // 0: fills the struct
 } kept_header;
 
 // What rays of one kind depend on.

@@ -296,7 +296,7 @@ static bool read_all(int descriptor, void *data, size_t size_bytes) {
 static bool is_header(const olx_unit_name *name, const unit_header *h) {
   return memcmp(h->magic, MAGIC, sizeof h->magic) == 0 && h->round == name->round && h->unit == name->unit &&
          strncmp(h->stage, name->stage, sizeof h->stage) == 0 &&
-         h->header_hash == olx_content_hash(h, offsetof(unit_header, header_hash));
+         olx_checksum_holds(olx_content_hash(h, offsetof(unit_header, header_hash)), h->header_hash);
 }
 
 static int open_unit(const olx_work_folder *f, const char *file) {
@@ -327,7 +327,8 @@ static olx_result read_content(int descriptor, const unit_header *h, const char 
   *data = olx_allocate(h->size_bytes, 1);
   if (!*data)
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)h->size_bytes);
-  if (read_all(descriptor, *data, h->size_bytes) && olx_content_hash(*data, h->size_bytes) == h->hash) return OLX_OK;
+  const bool whole = read_all(descriptor, *data, h->size_bytes);
+  if (whole && olx_checksum_holds(olx_content_hash(*data, h->size_bytes), h->hash)) return OLX_OK;
   olx_release(*data);
   *data = NULL;
   return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);

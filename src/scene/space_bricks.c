@@ -17,71 +17,81 @@ olx_space_bricks olx_space_bricks_make(olx_vec3 low, olx_vec3 high) {
     *sides[longest] *= 0.5f;
     b.count[longest] *= 2;
   }
+  b.per_side = olx_v3(1.0f / b.side.x, 1.0f / b.side.y, 1.0f / b.side.z);
   return b;
 }
 
-// The way of a ray along one axis.
+// Places in units of a brick's sides, from the corner of all bricks.
+static olx_vec3 in_bricks(const olx_space_bricks *b, olx_vec3 point) {
+  return olx_mul(olx_sub(point, b->low), b->per_side);
+}
+
+// Returns the number of the brick in which a place lies, or OLX_SPACE_BRICKS outside.
+static uint32_t brick_of(const olx_space_bricks *b, olx_vec3 at) {
+  if (!(at.x >= 0.0f && at.y >= 0.0f && at.z >= 0.0f)) return OLX_SPACE_BRICKS;
+  if (!(at.x < (float)b->count[0] && at.y < (float)b->count[1] && at.z < (float)b->count[2])) return OLX_SPACE_BRICKS;
+  return olx_space_brick(b, (uint32_t)at.x, (uint32_t)at.y, (uint32_t)at.z);
+}
+
+static void add_brick(uint32_t brick, olx_brick_set *set) { set->words[brick / 64] |= UINT64_C(1) << brick % 64; }
+
+// The way of a ray along one axis, in units of bricks.
 typedef struct axis_walk {
-  int32_t at, step, count; // brick, its change, and number of bricks
-  float next, delta;       // where the ray enters the next brick, and the length between two
+  float origin, direction, inverse; // inverse: of direction
+  int32_t left, step;               // bricks ahead until the last, and what one more adds to a brick's number
+  float next, delta;                // where the ray enters the next brick, and the length between two
 } axis_walk;
 
+// A direction too small for its inverse never leaves a brick.
+static axis_walk axis_of(float origin, float direction) {
+  if (fabsf(direction) < 1e-30f) return (axis_walk){.origin = origin};
+  return (axis_walk){.origin = origin, .direction = direction, .inverse = 1.0f / direction};
+}
+
 // Limits a range of a ray to the bricks along one axis; returns false when nothing is left.
-static bool clip(float origin, float direction, float low, float high, float margin, float range[2]) {
-  if (direction == 0.0f) return origin >= low - margin && origin <= high + margin;
-  const float a = (low - margin - origin) / direction, b = (high + margin - origin) / direction;
+static bool clip(const axis_walk *w, uint32_t count, float range[2]) {
+  if (w->direction == 0.0f) return w->origin >= -TOUCH && w->origin <= (float)count + TOUCH;
+  const float a = (-TOUCH - w->origin) * w->inverse, b = ((float)count + TOUCH - w->origin) * w->inverse;
   range[0] = olx_max(range[0], olx_min(a, b));
   range[1] = olx_min(range[1], olx_max(a, b));
   return range[0] <= range[1] && range[0] < INFINITY;
 }
 
-static axis_walk begin_walk(float origin, float direction, float from, float low, float side, uint32_t count) {
-  const float at = floorf(((origin + direction * from) - low) / side);
-  axis_walk w = {.at = (int32_t)olx_clamp(at, 0.0f, (float)count - 1.0f), .count = (int32_t)count, .next = INFINITY};
-  if (direction == 0.0f) return w;
-  w.step = direction > 0.0f ? 1 : -1;
-  w.next = (low + side * (float)(w.at + (w.step > 0)) - origin) / direction;
-  w.delta = side / fabsf(direction);
-  return w;
-}
-
-static void add_brick(const axis_walk walks[3], olx_brick_set *set) {
-  const uint32_t brick = (uint32_t)((walks[2].at * walks[1].count + walks[1].at) * walks[0].count + walks[0].at);
-  set->words[brick / 64] |= UINT64_C(1) << brick % 64;
-}
-
-// Returns the number of the brick in which a point lies, or OLX_SPACE_BRICKS outside.
-static uint32_t brick_of(const olx_space_bricks *b, olx_vec3 point) {
-  const olx_vec3 way = olx_sub(point, b->low);
-  const float x = way.x / b->side.x, y = way.y / b->side.y, z = way.z / b->side.z;
-  if (!(x >= 0.0f && y >= 0.0f && z >= 0.0f)) return OLX_SPACE_BRICKS;
-  if (!(x < (float)b->count[0] && y < (float)b->count[1] && z < (float)b->count[2])) return OLX_SPACE_BRICKS;
-  return olx_space_brick(b, (uint32_t)x, (uint32_t)y, (uint32_t)z);
+// Begins the way of a ray that enters the bricks at `from`; returns the brick there along this axis. `stride` is what
+// the next brick along it adds to the number of a brick.
+static uint32_t begin_walk(axis_walk *w, float from, uint32_t count, uint32_t stride) {
+  const int32_t at = (int32_t)olx_clamp(w->origin + w->direction * from, 0.0f, (float)count - 1.0f);
+  w->next = INFINITY;
+  if (w->direction == 0.0f) return (uint32_t)at;
+  const bool ahead = w->direction > 0.0f;
+  w->left = ahead ? (int32_t)count - 1 - at : at;
+  w->step = ahead ? (int32_t)stride : -(int32_t)stride;
+  w->next = ((float)(at + ahead) - w->origin) * w->inverse;
+  w->delta = fabsf(w->inverse);
+  return (uint32_t)at;
 }
 
 void olx_space_bricks_cross(const olx_space_bricks *b, olx_vec3 origin, olx_vec3 direction, float t_max,
                             olx_brick_set *crossed) {
-  const uint32_t first = brick_of(b, origin);
-  if (first < OLX_SPACE_BRICKS && first == brick_of(b, olx_madd(origin, direction, t_max))) { // most rays are short
-    crossed->words[first / 64] |= UINT64_C(1) << first % 64;
+  const olx_vec3 o = in_bricks(b, origin), d = olx_mul(direction, b->per_side);
+  const uint32_t first = brick_of(b, o);
+  if (first < OLX_SPACE_BRICKS && first == brick_of(b, olx_madd(o, d, t_max))) { // most rays are short
+    add_brick(first, crossed);
     return;
   }
+  axis_walk x = axis_of(o.x, d.x), y = axis_of(o.y, d.y), z = axis_of(o.z, d.z);
   float range[2] = {0.0f, t_max};
-  if (!clip(origin.x, direction.x, b->low.x, b->high.x, TOUCH * b->side.x, range) ||
-      !clip(origin.y, direction.y, b->low.y, b->high.y, TOUCH * b->side.y, range) ||
-      !clip(origin.z, direction.z, b->low.z, b->high.z, TOUCH * b->side.z, range)) {
-    return;
-  }
-  axis_walk walks[3] = {begin_walk(origin.x, direction.x, range[0], b->low.x, b->side.x, b->count[0]),
-                        begin_walk(origin.y, direction.y, range[0], b->low.y, b->side.y, b->count[1]),
-                        begin_walk(origin.z, direction.z, range[0], b->low.z, b->side.z, b->count[2])};
+  if (!clip(&x, b->count[0], range) || !clip(&y, b->count[1], range) || !clip(&z, b->count[2], range)) return;
+  const uint32_t row = b->count[0], layer = row * b->count[1];
+  uint32_t brick = begin_walk(&x, range[0], b->count[0], 1);
+  brick += row * begin_walk(&y, range[0], b->count[1], row);
+  brick += layer * begin_walk(&z, range[0], b->count[2], layer);
   for (;;) {
-    add_brick(walks, crossed);
-    axis_walk *nearest = walks[0].next <= walks[1].next ? &walks[0] : &walks[1];
-    if (walks[2].next < nearest->next) nearest = &walks[2];
-    if (!(nearest->next <= range[1]) || nearest->step == 0) return;
-    nearest->at += nearest->step;
-    if (nearest->at < 0 || nearest->at >= nearest->count) return;
+    add_brick(brick, crossed);
+    axis_walk *nearest = x.next <= y.next ? &x : &y;
+    if (z.next < nearest->next) nearest = &z;
+    if (!(nearest->next <= range[1]) || nearest->left-- == 0) return;
+    brick += (uint32_t)nearest->step;
     nearest->next += nearest->delta;
   }
 }

@@ -15,6 +15,7 @@ typedef struct olx_brick_set {
 typedef struct olx_space_bricks {
   olx_vec3 low, high; // corners of all bricks, metres
   olx_vec3 side;      // of a brick, metres
+  olx_vec3 per_side;  // 1 / side
   uint32_t count[3];  // powers of two whose product is OLX_SPACE_BRICKS
 } olx_space_bricks;
 

@@ -78,41 +78,54 @@ static void take_former(olx_gather_row *row, uint64_t check, const olx_light_sur
   take_lights(&former, g->ends);
 }
 
-// Returns the number of a ray's kind, which it may add. The last kind is for all that find no other.
-static uint8_t kind_of(olx_gather_kind table[MOST_KINDS], uint32_t *count, const olx_ray_end *end) {
+// The kinds of a gather's rays, which are found by their hashes. The last kind is for all that find no other.
+typedef struct kind_table {
+  olx_gather_kind kinds[MOST_KINDS];
+  uint32_t count;
+  uint16_t slots[2 * MOST_KINDS]; // a kind's number plus one; zero: none
+} kind_table;
+
+// Returns the number of a ray's kind, which it may add.
+static uint8_t kind_of(kind_table *table, const olx_ray_end *end) {
   const olx_gather_kind wanted = {end->needs, end->crossed};
-  uint32_t i = *count;
-  while (i > 0 && memcmp(&table[i - 1], &wanted, sizeof wanted) != 0) i--;
-  if (i > 0) return (uint8_t)(i - 1);
-  if (*count < MOST_KINDS - 1) {
-    table[(*count)++] = wanted;
-  } else {
-    table[MOST_KINDS - 1] = (olx_gather_kind){.needs = UINT64_MAX};
-    *count = MOST_KINDS;
+  uint32_t slot = olx_content_hash(&wanted, sizeof wanted) % (2 * MOST_KINDS);
+  for (; table->slots[slot] != 0; slot = (slot + 1) % (2 * MOST_KINDS)) {
+    const uint32_t kind = table->slots[slot] - 1u;
+    if (memcmp(&table->kinds[kind], &wanted, sizeof wanted) == 0) return (uint8_t)kind;
   }
-  return (uint8_t)(*count - 1);
+  if (table->count < MOST_KINDS - 1) {
+    table->kinds[table->count++] = wanted;
+    table->slots[slot] = (uint16_t)table->count;
+  } else {
+    table->kinds[MOST_KINDS - 1] = (olx_gather_kind){.needs = UINT64_MAX};
+    table->count = MOST_KINDS;
+  }
+  return (uint8_t)(table->count - 1);
 }
 
 static void keep(olx_gather_row *row, uint64_t check, const gather *g) {
   olx_link links[OLX_GATHER_RAYS];
-  olx_gather_kind table[MOST_KINDS];
+  kind_table table;
   uint8_t kinds[OLX_GATHER_RAYS], bricks[MOST_KINDS * OLX_KIND_BYTES];
   olx_gather_light lights[OLX_GATHER_RAYS * (OLX_CHAIN_MOST + 1)];
   uint64_t needs[MOST_KINDS];
   olx_kept_gather kept = {
       .bins = g->bins, .links = links, .kinds = kinds, .needs = needs, .bricks = bricks, .lights = lights};
+  table.count = 0;
+  memset(table.slots, 0, sizeof table.slots);
   for (uint32_t i = 0; i < OLX_GATHER_RAYS; i++) {
     links[i] = g->ends[i].link;
-    kinds[i] = kind_of(table, &kept.kind_count, &g->ends[i]);
+    kinds[i] = kind_of(&table, &g->ends[i]);
     for (uint32_t k = 0; k <= OLX_CHAIN_MOST; k++) {
       const olx_vec3 light = k < OLX_CHAIN_MOST ? g->ends[i].fixed[k] : g->ends[i].near;
       if (olx_max3(light) == 0.0f) continue;
       lights[kept.light_count++] = (olx_gather_light){(uint16_t)i, (uint16_t)k, light};
     }
   }
-  for (uint32_t i = 0; i < kept.kind_count; i++) {
-    needs[i] = table[i].needs;
-    kept.brick_count += olx_gather_write_bricks(&table[i].crossed, bricks + kept.brick_count, &needs[i]);
+  kept.kind_count = table.count;
+  for (uint32_t i = 0; i < table.count; i++) {
+    needs[i] = table.kinds[i].needs;
+    kept.brick_count += olx_gather_write_bricks(&table.kinds[i].crossed, bricks + kept.brick_count, &needs[i]);
   }
   olx_gather_row_keep(row, check, &kept);
 }

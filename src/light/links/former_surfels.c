@@ -188,6 +188,16 @@ static bool has_bounds_of(const olx_scene_inputs *a, const olx_scene_inputs *b) 
          memcmp(&a->high, &b->high, sizeof a->high) == 0;
 }
 
+// Counts the cells of a table that was read. Returns whether it can be searched: its size is a power of two, and a slot
+// is free.
+static bool count_cells(olx_cell_table *table, uint64_t slots) {
+  if (slots == 0 || slots > UINT32_MAX || (slots & (slots - 1)) != 0) return false;
+  table->capacity = (uint32_t)slots;
+  table->count = 0;
+  for (uint32_t i = 0; i < table->capacity; i++) table->count += table->keys[i] != 0;
+  return table->count < table->capacity;
+}
+
 olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *from, const olx_light_surfels *now,
                                    const olx_scene_inputs *inputs) {
   *former = (olx_former_surfels){0};
@@ -195,16 +205,15 @@ olx_result olx_former_surfels_read(olx_former_surfels *former, olx_byte_reader *
   if (!record || !has_bounds_of(&record->inputs, inputs)) return OLX_OK;
   surfel_pair p = {.count = (uint32_t)record->count, .now = now};
   p.before = olx_bytes_get(from, p.count, sizeof *p.before);
-  former->table.capacity = former->table.count = (uint32_t)record->slots;
   former->table.keys = olx_bytes_take(from, record->slots, sizeof *former->table.keys);
   former->table.values = olx_bytes_take(from, record->slots, sizeof *former->table.values);
   olx_result result = OLX_OK;
-  if (!from->failed) {
+  if (!from->failed && count_cells(&former->table, record->slots)) {
     former->name = olx_surfels_name_of(&record->inputs);
     compare_bricks(former, &record->inputs, inputs);
     result = compare(former, &p);
   }
-  if (result != OLX_OK || from->failed) olx_former_surfels_free(former);
+  if (result != OLX_OK || former->count == 0) olx_former_surfels_free(former);
   return result;
 }
 

@@ -116,5 +116,5 @@ olx_result olx_cell_table_set(olx_cell_table *table, uint64_t key, uint32_t valu
 
 uint32_t olx_cell_table_get(const olx_cell_table *table, uint64_t key) {
   const uint32_t slot = find_slot(table, key);
-  return table->keys[slot] == key ? table->values[slot] : OLX_CELL_NONE;
+  return key != 0 && table->keys[slot] == key ? table->values[slot] : OLX_CELL_NONE;
 }

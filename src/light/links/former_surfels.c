@@ -235,7 +235,8 @@ static bool is_still_unserved(const olx_former_surfels *former, const olx_light_
 bool olx_link_still_ends(olx_link *link, const olx_surface_point *point, const olx_former_surfels *former,
                          const olx_light_surfels *now) {
   const uint32_t end = olx_link_end(link);
-  if (!former || end == OLX_LINK_NOWHERE) return true;
+  if (end == OLX_LINK_NOWHERE) return true;
+  if (!former) return end == OLX_LINK_UNSERVED || end < now->count;
   if (end == OLX_LINK_UNSERVED) return is_still_unserved(former, now, point->key);
   if (end >= former->count || former->served_by[end] == OLX_CELL_NONE) return false;
   link->end = (link->end & ~OLX_LINK_NOWHERE) | former->served_by[end];

@@ -209,6 +209,17 @@ static bool find_surfels(olx_former_unit *unit, const olx_former_rays *former) {
   return former->surfels && former->surfels->count > 0 && olx_surfels_same_name(&own, &former->surfels->name);
 }
 
+// Returns whether every ray is of a kind in the table, and there is a point for each that met no surfel.
+static bool are_described(const olx_former_unit *unit, uint32_t points) {
+  const kept_header *h = unit->header;
+  uint32_t unserved = 0;
+  for (size_t i = 0; i < (size_t)h->count * h->rays; i++) {
+    if (unit->kinds[i] >= h->kinds) return false;
+    unserved += olx_link_end(&unit->links[i]) == OLX_LINK_UNSERVED;
+  }
+  return unserved == points;
+}
+
 // Finds the parts of a unit's bytes, in the order in which they were saved; returns false where they are of no use.
 static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, const olx_former_rays *former) {
   read_kept(from, unit);
@@ -222,7 +233,7 @@ static bool read_unit(olx_former_unit *unit, olx_byte_reader *from, const olx_fo
   for (uint32_t n = 0; n < h->count; n++) olx_bytes_get(from, 1, sizeof(olx_fixed_light));
   olx_bytes_copy(from, &points, 1, sizeof points);
   unit->points = olx_bytes_get(from, points, sizeof *unit->points);
-  return !from->failed;
+  return !from->failed && are_described(unit, points);
 }
 
 static olx_result judge_kinds(olx_former_unit *unit, const olx_former_rays *former) {

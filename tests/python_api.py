@@ -58,7 +58,7 @@ class Fields(Packaged):
         self.assertEqual(hit["status"], octalux.FOUND)
         np.testing.assert_allclose(hit["distance_metres"], start[1], rtol=2e-3)
         np.testing.assert_allclose(hit["position"], (start[0], 0, start[2]), atol=2e-3)
-        np.testing.assert_allclose(hit["normal"], (0, 1, 0), atol=1e-4)  # blocks keep normals to about 1.5e-5
+        np.testing.assert_allclose(hit["normal"], (0, 1, 0), atol=2e-5)  # blocks keep normals to about 1.5e-5
         self.assertTrue((hit["radiance"] > 0).all())
         self.assertEqual(self.field.trace(start, (0, -1, 0), t_max=float(start[1]) / 2)["status"], octalux.MISS)
 

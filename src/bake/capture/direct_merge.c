@@ -16,9 +16,6 @@ static const double MOST_VARIANCE = 1.5;
 // noise.
 static const double LEAST_NOISE = 0.2;
 
-// How far the planes of merged squares may lie apart, in footprints, and how far their normals may differ.
-static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
-
 // Texels that are merged, or may be: a part of a square, or all of it.
 typedef struct merged {
   olx_vec3 mean;
@@ -116,8 +113,8 @@ static void share(const merge_job *m, uint32_t x, uint32_t y, uint32_t side, olx
 
 static bool lie_on_one_plane(const merged *a, const merged *b) {
   const olx_vec3 step = olx_sub(b->position, a->position);
-  return fabsf(olx_dot(step, a->normal)) <= FLAT_FOOTPRINTS * a->footprint &&
-         olx_dot(b->normal, a->normal) >= FLAT_COSINE;
+  return fabsf(olx_dot(step, a->normal)) <= OLX_FLAT_FOOTPRINTS * a->footprint &&
+         olx_dot(b->normal, a->normal) >= OLX_FLAT_COSINE;
 }
 
 // Merges the quarters of a square that are `whole`, as far as they lie on the plane of the first of them. Returns which

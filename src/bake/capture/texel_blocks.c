@@ -3,9 +3,6 @@
 
 #include "core/octahedral.h"
 
-// How far a texel of a block may lie from the plane of the block's first texel, in footprints, and how far their
-// normals may differ.
-static const float FLAT_FOOTPRINTS = 0.25f, FLAT_COSINE = 0.999f;
 // How far a texel may lie from the plane of another with which it shares light, in footprints, and how far their
 // normals may differ.
 static const float SHARED_FOOTPRINTS = 0.5f, SHARED_COSINE = 0.98f;
@@ -35,12 +32,12 @@ static float footprint(const olx_capture *c, uint32_t block, uint32_t i) {
 bool olx_block_is_flat(const olx_capture *c, uint32_t block, const olx_block_surfaces *s) {
   if (s->seen != (1u << OLX_BLOCK_TEXELS) - 1u) return false;
   const olx_surface *first = &s->surface[0];
-  const float tolerance = FLAT_FOOTPRINTS * footprint(c, block, 0);
+  const float tolerance = OLX_FLAT_FOOTPRINTS * footprint(c, block, 0);
   for (uint32_t i = 1; i < OLX_BLOCK_TEXELS; i++) {
     const olx_vec3 step = olx_sub(s->surface[i].position, first->position);
     if (fabsf(olx_dot(step, first->geometric_normal)) > tolerance) return false;
-    if (olx_dot(s->surface[i].shading_normal, first->shading_normal) < FLAT_COSINE) return false;
-    if (olx_dot(s->surface[i].geometric_normal, first->geometric_normal) < FLAT_COSINE) return false;
+    if (olx_dot(s->surface[i].shading_normal, first->shading_normal) < OLX_FLAT_COSINE) return false;
+    if (olx_dot(s->surface[i].geometric_normal, first->geometric_normal) < OLX_FLAT_COSINE) return false;
   }
   return true;
 }

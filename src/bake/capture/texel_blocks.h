@@ -6,6 +6,10 @@
 #include "block/geometry_block.h"
 #include "scene/surface.h"
 
+// How far the parts of one plane may lie from it, in footprints, and how far their normals may differ.
+#define OLX_FLAT_FOOTPRINTS 0.25f
+#define OLX_FLAT_COSINE 0.999f
+
 // Returns the index of the i-th texel of a block in a map whose rows lie one after the other.
 static inline uint32_t olx_block_texel(const olx_capture *capture, uint32_t block, uint32_t i) {
   const uint32_t blocks = capture->size / OLX_BLOCK_SIDE;

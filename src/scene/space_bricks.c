@@ -21,7 +21,7 @@ olx_space_bricks olx_space_bricks_make(olx_vec3 low, olx_vec3 high) {
   return b;
 }
 
-// Places in units of a brick's sides, from the corner of all bricks.
+// Returns a place in units of a brick's sides, counted from the lowest corner of all bricks.
 static olx_vec3 in_bricks(const olx_space_bricks *b, olx_vec3 point) {
   return olx_mul(olx_sub(point, b->low), b->per_side);
 }
@@ -42,7 +42,8 @@ typedef struct axis_walk {
   float next, delta;                // where the ray enters the next brick, and the length between two
 } axis_walk;
 
-// A direction too small for its inverse never leaves a brick.
+// Prepares the way along an axis. A ray that hardly moves along it, so that its direction cannot be inverted, counts as
+// standing still there.
 static axis_walk axis_of(float origin, float direction) {
   if (fabsf(direction) < 1e-30f) return (axis_walk){.origin = origin};
   return (axis_walk){.origin = origin, .direction = direction, .inverse = 1.0f / direction};

@@ -61,7 +61,7 @@ olx_result olx_cell_table_create(olx_cell_table *table, uint32_t expected);
 void olx_cell_table_free(olx_cell_table *table);
 // Sets the value of a cell, adding the cell when it is missing. Fails when memory runs out.
 olx_result olx_cell_table_set(olx_cell_table *table, uint64_t key, uint32_t value);
-// Returns the value of a cell; OLX_CELL_NONE when it is not in the table.
+// Returns the value of a cell; OLX_CELL_NONE when it is not in the table, and for key 0, which is no cell's.
 uint32_t olx_cell_table_get(const olx_cell_table *table, uint64_t key);
 
 #endif

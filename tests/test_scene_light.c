@@ -553,6 +553,66 @@ static void a_lamp_below_the_sky_loses_no_light(void **state) {
   olx_scene_free(scene);
 }
 
+// A room with a hole of half a metre in its ceiling, above which stands the sun.
+static olx_scene *room_with_a_hole(void) {
+  olx_scene *scene = made_scene();
+  olx_material white = olx_material_default();
+  white.base_color = olx_splat(0.5f);
+  white.specular_weight = 0.0f;
+  const uint32_t paint = made_material(scene, &white);
+  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), paint);
+  for (float side = -1.0f; side < 2.0f; side += 2.0f) {
+    made_quad(scene, olx_v3(0, 0, side), olx_v3(2, 0, 0), olx_v3(0, 2, 0), paint);
+    made_quad(scene, olx_v3(side, 0, 0), olx_v3(0, 0, 2), olx_v3(0, 2, 0), paint);
+    made_quad(scene, olx_v3(0.625f * side, 1, 0), olx_v3(0, 0, 2), olx_v3(0.75f, 0, 0), paint);
+    made_quad(scene, olx_v3(0, 1, 0.625f * side), olx_v3(0, 0, 0.75f), olx_v3(0.5f, 0, 0), paint);
+  }
+  const olx_light sun = {
+      .type = OLX_LIGHT_SUN, .direction = olx_normalize(olx_v3(0.1f, -1, 0.2f)), .emission = olx_splat(10.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &sun), OLX_OK);
+  return made_finish(scene);
+}
+
+// Counts the guided rays that end in cells that the sun reaches unevenly, or in others, and of these the ones that found
+// the direct light there themselves.
+static void count_links(const olx_scene_light_parts *parts, bool uneven, uint32_t *all, uint32_t *lit) {
+  for (uint32_t k = 0; k < parts->links->batch_count; k++) {
+    const olx_link_batch *batch = &parts->links->batches[k];
+    for (size_t i = 0; batch->guide && i < (size_t)batch->count * batch->rays; i++) {
+      const olx_link *link = &batch->links[i];
+      if (!olx_link_brings_light(link)) continue;
+      if (olx_surfel_is_uneven(parts->surfels, olx_link_end(link)) != uneven) continue;
+      ++*all;
+      *lit += (link->end & OLX_LINK_LIT) != 0;
+    }
+  }
+}
+
+// The sun's patch on the floor has an edge, and cells along it are lit in part.
+static void no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part(void **state) {
+  (void)state;
+  olx_scene *scene = room_with_a_hole();
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  const olx_scene_light_parts parts = olx_scene_light_open(light);
+  uint32_t edge = 0, cells[2] = {0}, all[2] = {0}, lit[2] = {0};
+  for (uint32_t i = 0; i < parts.surfels->count; i++) {
+    const olx_light_surfel *surfel = &parts.surfels->surfels[i];
+    const bool uneven = olx_surfel_is_uneven(parts.surfels, i);
+    cells[uneven]++;
+    edge += uneven && surfel->position.y < -0.99f;
+  }
+  for (uint32_t uneven = 0; uneven < 2; uneven++) count_links(&parts, uneven, &all[uneven], &lit[uneven]);
+  print_message(
+      "%u of %u cells are uneven, %u of them on the floor; rays find light themselves at %u of %u ends there, "
+      "and at %u of %u others\n",
+      cells[1], cells[0] + cells[1], edge, lit[1], all[1], lit[0], all[0]);
+  assert_true(edge > 0 && 8 * cells[1] < cells[0]);
+  assert_true(all[1] > 0 && lit[1] == all[1]);
+  assert_true(2 * lit[0] < all[0]);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -568,6 +628,7 @@ int main(void) {
       cmocka_unit_test(few_surfels_are_not_trusted_where_their_light_differs),
       cmocka_unit_test(records_follow_an_edge_of_light),
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
+      cmocka_unit_test(no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -226,11 +226,16 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
   return sum;
 }
 
+static olx_surface whiten(const olx_surface *surface) {
+  olx_surface white = *surface;
+  white.bsdf = (olx_bsdf){.albedo = olx_splat(1.0f)};
+  return white;
+}
+
 // Returns the direct irradiance; `dark` and `sky` may be NULL.
 static olx_vec3 irradiance_of(const olx_scene *scene, const olx_surface *surface, const float *dark, olx_sky_guide *sky,
                               olx_sampler *sampler, uint64_t *rays) {
-  olx_surface white = *surface;
-  white.bsdf = (olx_bsdf){.albedo = olx_splat(1.0f)};
+  const olx_surface white = whiten(surface);
   olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   shading.dark = dark;
   shading.sky = sky;
@@ -245,4 +250,17 @@ olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surfac
 olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
                                    olx_sampler *sampler, uint64_t *rays) {
   return irradiance_of(scene, surface, dark, NULL, sampler, rays);
+}
+
+olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays) {
+  const olx_surface white = whiten(surface);
+  const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
+  olx_vec3 sum = {0};
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    olx_light_sample sample;
+    if (scene->lights[i].type != OLX_LIGHT_SUN || olx_emitters_group_varies(scene, i)) continue;
+    if (!olx_emitters_sample(scene, i, surface->position, (olx_vec2){0}, 0.0f, &sample)) continue;
+    sum = olx_madd(sum, olx_direct_light_of(scene, &shading, &sample, rays).diffuse, OLX_PI);
+  }
+  return sum;
 }

@@ -14,12 +14,13 @@ typedef struct surfel_numbers {
   float side, nearest;
   uint32_t next, triangle, back_face;
   float u, v;
-  uint32_t unused; // 0: fills the struct
+  uint32_t uneven; // olx_surfel_is_uneven
 } surfel_numbers;
 
 _Static_assert(sizeof(surfel_numbers) == 64, "no padding that the hash would see");
 
-static surfel_numbers numbers_of(const olx_light_surfel *f) {
+static surfel_numbers numbers_of(const olx_light_surfels *s, uint32_t surfel) {
+  const olx_light_surfel *f = &s->surfels[surfel];
   return (surfel_numbers){.cell = f->cell,
                           .position = f->position,
                           .normal = f->normal,
@@ -29,13 +30,14 @@ static surfel_numbers numbers_of(const olx_light_surfel *f) {
                           .triangle = f->point.triangle,
                           .back_face = f->point.back_face,
                           .u = f->point.u,
-                          .v = f->point.v};
+                          .v = f->point.v,
+                          .uneven = olx_surfel_is_uneven(s, surfel)};
 }
 
 uint64_t olx_surfels_hash(const olx_light_surfels *s) {
   uint64_t hash[3] = {s->count};
   for (uint32_t i = 0; i < s->count; i++) {
-    const surfel_numbers numbers = numbers_of(&s->surfels[i]);
+    const surfel_numbers numbers = numbers_of(s, i);
     hash[1] = olx_content_hash(&numbers, sizeof numbers);
     hash[0] = olx_content_hash(hash, sizeof hash);
   }
@@ -72,7 +74,7 @@ void olx_surfels_remember(const olx_light_surfels *s, const olx_scene_inputs *in
   const surfels_record record = {*inputs, s->count, s->table.capacity};
   olx_bytes_put(to, &record, 1, sizeof record);
   for (uint32_t i = 0; i < s->count; i++) {
-    const surfel_numbers numbers = numbers_of(&s->surfels[i]);
+    const surfel_numbers numbers = numbers_of(s, i);
     olx_bytes_put(to, &numbers, 1, sizeof numbers);
   }
   olx_bytes_put(to, s->table.keys, s->table.capacity, sizeof *s->table.keys);
@@ -95,10 +97,11 @@ static bool casts_same(const surfel_numbers *a, const surfel_numbers *b) {
          memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
-// Returns whether two surfels cast the same rays and see the same surfaces close to them.
+// Returns whether two surfels cast the same rays, see the same surfaces close to them, and have the same rays find direct
+// light themselves.
 static bool is_same(const surfel_pair *p, uint32_t before, uint32_t now) {
-  const surfel_numbers a = p->before[before], b = numbers_of(&p->now->surfels[now]);
-  return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest;
+  const surfel_numbers a = p->before[before], b = numbers_of(p->now, now);
+  return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest && a.uneven == b.uneven;
 }
 
 // Returns the earlier surfel after another of its cell; OLX_CELL_NONE after the last one.
@@ -112,7 +115,7 @@ static uint32_t find_now(const surfel_pair *p, uint32_t before) {
   const uint32_t value = olx_cell_table_get(&p->now->table, p->before[before].cell);
   if (value == OLX_CELL_NONE) return OLX_CELL_NONE;
   for (uint32_t i = value & ~OLX_CELL_DIVIDED; i != OLX_CELL_NONE; i = p->now->surfels[i].next) {
-    const surfel_numbers numbers = numbers_of(&p->now->surfels[i]);
+    const surfel_numbers numbers = numbers_of(p->now, i);
     if (casts_same(&p->before[before], &numbers)) return i;
   }
   return OLX_CELL_NONE;

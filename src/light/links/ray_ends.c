@@ -27,8 +27,15 @@ static const float RAY_FOOTPRINT = 0.3f;
 static const float MOST_SERVED = 0.5f;
 
 // A surfel whose cell is larger than this share of the ray's length is too coarse for the direct light at the ray's
-// end, because edges of shadows cross the cell.
+// end, because edges of shadows may cross the cell.
 static const float MOST_LIT_SIDE = 0.3f;
+
+// Returns whether a ray finds the direct light at its end itself, where a surfel serves it with a cell of that side.
+// The mean over a cell that the sun reaches in part serves no ray, however far it comes from: a ray sees some parts of
+// the cell, which the sun reaches in another share.
+static bool finds_light(const olx_light_surfels *s, uint32_t surfel, float side, float distance) {
+  return olx_surfel_is_uneven(s, surfel) || side > MOST_LIT_SIDE * distance;
+}
 
 // Links a ray that ends at the diffuse lobe of a surface to the surfel there, which stores the light of the surface. A
 // surfel farther away is used where no surfels will be added.
@@ -42,7 +49,8 @@ static olx_link link_to(const olx_ray_caster *c, const olx_surface *surface, con
   olx_link link = {.end = OLX_LINK_UNSERVED | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_rgb9e5_pack(weight)};
   if (found.surfel == OLX_CELL_NONE) return link;
   const float side = olx_max(found.side, s->surfels[found.surfel].side);
-  link.end = found.surfel | chain << OLX_LINK_CHAIN_SHIFT | (side > MOST_LIT_SIDE * distance ? OLX_LINK_LIT : 0);
+  link.end = found.surfel | chain << OLX_LINK_CHAIN_SHIFT;
+  if (finds_light(s, found.surfel, side, distance)) link.end |= OLX_LINK_LIT;
   return link;
 }
 

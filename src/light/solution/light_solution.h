@@ -43,6 +43,12 @@ typedef struct olx_link_patch {
   uint32_t count;
 } olx_link_patch;
 
+// The direct light of a surfel.
+typedef struct olx_surfel_lit {
+  olx_vec3 light;  // W/m^2
+  uint32_t uneven; // whether the sun reaches a part of its cell, or may do so
+} olx_surfel_lit;
+
 struct olx_scene_light {
   const olx_scene *scene;
   olx_scene_light_settings settings;
@@ -61,6 +67,7 @@ struct olx_scene_light {
   olx_light_links links;
   olx_ray_guide guide;
   olx_vec3 *direct, *irradiance; // per surfel
+  olx_surfel_lit *lit;           // per surfel, while direct light is found
   olx_vec3 *passed_on;           // direct light and all bounces but the last, which surfels reflect to others
   float *noise;                  // per surfel
   olx_ray_sum *gathered;         // per visible surfel, of its links and final rays; NULL: there are no final rays

@@ -19,6 +19,7 @@ enum {
   LEAST_RAYS = 16,          // per surfel where memory is short
   LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
   MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
+  TELLING_POINTS = 8,       // points of a cell from which they tell whether the sun reaches all of it
   ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
   DIRECT_A_UNIT = 1 << 12,  // surfels
   FEW_BOUNCES = 4,          // bounces from which noise is estimated
@@ -172,6 +173,9 @@ static void count_rays(olx_scene_light *l) {
   }
 }
 
+// The sun reaches a cell unevenly where the range of what it brings is above this share of the mean direct light.
+static const float UNEVEN_RANGE = 0.25f;
+
 typedef struct direct_job {
   olx_scene_light *light;
   uint32_t points;     // points per cell
@@ -182,27 +186,43 @@ typedef struct direct_job {
 // Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
 static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
 
-static olx_vec3 light_point(const direct_job *d, const olx_light_surfel *surfel, const olx_surface_point *point,
-                            uint32_t k, uint64_t *rays) {
-  const olx_light_surfels *s = &d->light->surfels;
+// What the points of a cell receive.
+typedef struct cell_sum {
+  olx_vec3 light;
+  float least, most; // of the luminance that suns bring
+} cell_sum;
+
+static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface_point *point,
+                      uint32_t k, cell_sum *sum, uint64_t *rays) {
   const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
   const olx_surface surface = olx_surface_point_surface(s->scene, point);
   olx_sampler sampler = {.seed = seed, .index = k};
-  return olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, &sampler, rays);
+  sum->light = olx_add(sum->light, olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, &sampler, rays));
+  const float sun = olx_luminance(olx_direct_irradiance_of_suns(s->scene, &surface, rays));
+  sum->least = olx_min(sum->least, sun);
+  sum->most = olx_max(sum->most, sun);
 }
 
-// Returns the mean over points that are spread over the area of the cell, because most of its points lie near probes.
-static olx_vec3 light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
-  const olx_surface_point *points = d->light->surfels.points + surfel->first_point;
+// Few points that the sun reaches do not tell whether it reaches what lies between them.
+static bool is_uneven(const olx_light_surfel *surfel, const cell_sum *sum, float mean) {
+  if (surfel->point_count < TELLING_POINTS) return sum->most > 0.0f;
+  return sum->most - sum->least > UNEVEN_RANGE * mean;
+}
+
+// Samples points that are spread over the area of the cell, because most of its points lie near probes.
+static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
+  const olx_light_surfels *s = &d->light->surfels;
+  const olx_surface_point *points = s->points + surfel->first_point;
   float area = 0.0f, passed = 0.0f;
   for (uint32_t i = 0; i < surfel->point_count; i++) area += area_of(&points[i]);
-  olx_vec3 sum = {0};
+  cell_sum sum = {.least = INFINITY};
   for (uint32_t k = 0, i = 0; k < d->points; k++) {
     const float wanted = area * ((float)k + 0.5f) / (float)d->points;
     while (i + 1 < surfel->point_count && passed + area_of(&points[i]) < wanted) passed += area_of(&points[i++]);
-    sum = olx_add(sum, light_point(d, surfel, &points[i], k, rays));
+    add_point(s, surfel, &points[i], k, &sum, rays);
   }
-  return olx_scale(sum, 1.0f / (float)d->points);
+  const olx_vec3 mean = olx_scale(sum.light, 1.0f / (float)d->points);
+  return (olx_surfel_lit){mean, is_uneven(surfel, &sum, olx_luminance(mean))};
 }
 
 static void light_directly(void *user, uint32_t job) {
@@ -210,7 +230,7 @@ static void light_directly(void *user, uint32_t job) {
   const olx_light_surfels *s = &d->light->surfels;
   const uint32_t first = d->first + job * SURFELS_PER_JOB,
                  end = first + SURFELS_PER_JOB < d->end ? first + SURFELS_PER_JOB : d->end;
-  for (uint32_t i = first; i < end; i++) d->light->direct[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
+  for (uint32_t i = first; i < end; i++) d->light->lit[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
 }
 
 static olx_result fill_direct(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
@@ -239,19 +259,21 @@ static uint32_t direct_first(const olx_scene_light *l, uint32_t unit) {
   return unit < direct_units(l) ? unit * DIRECT_A_UNIT : l->surfels.count;
 }
 
-static void *direct_array(olx_scene_light *l) { return l->direct; }
+static void *direct_array(olx_scene_light *l) {
+  if (!l->lit) l->lit = olx_allocate_zero(l->surfels.count, sizeof *l->lit);
+  return l->lit;
+}
 
-const olx_light_ranges olx_direct_ranges = {"direct",     sizeof(olx_vec3), direct_round, direct_units,
-                                            direct_first, direct_array,     fill_direct};
+const olx_light_ranges olx_direct_ranges = {"direct",     sizeof(olx_surfel_lit), direct_round, direct_units,
+                                            direct_first, direct_array,           fill_direct};
 
 static olx_result begin_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
-  l->direct = olx_allocate(count, sizeof *l->direct);
   l->irradiance = olx_allocate_zero(count, sizeof *l->irradiance);
   l->passed_on = olx_allocate_zero(count, sizeof *l->passed_on);
   l->noise = olx_allocate_zero(count, sizeof *l->noise);
   l->report.hidden_surfels = count - l->visible;
-  if (l->direct && l->irradiance && l->passed_on && l->noise) return OLX_OK;
+  if (l->irradiance && l->passed_on && l->noise) return OLX_OK;
   return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
 }
 
@@ -370,7 +392,23 @@ static olx_result settle_exploring(olx_scene_light *l) {
   return begin_direct(l);
 }
 
+// Gives surfels the direct light that was found.
+static olx_result take_direct(olx_scene_light *l) {
+  const uint32_t count = l->surfels.count;
+  l->direct = olx_allocate(count, sizeof *l->direct);
+  bool *uneven = l->surfels.uneven = olx_allocate(count, sizeof *uneven);
+  if (!l->direct || !uneven) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  for (uint32_t i = 0; i < count; i++) {
+    l->direct[i] = l->lit[i].light;
+    uneven[i] = l->lit[i].uneven != 0;
+  }
+  olx_release(l->lit);
+  l->lit = NULL;
+  return OLX_OK;
+}
+
 static olx_result settle_direct(olx_scene_light *l) {
+  OLX_TRY(take_direct(l));
   OLX_TRY(solve(l, FEW_BOUNCES));
   OLX_TRY(learn(l));
   return refine(l, 0);
@@ -429,6 +467,7 @@ void olx_scene_light_clear(olx_scene_light *l) {
   olx_release(l->links.fixed);
   olx_release(l->links.worth);
   olx_release(l->direct);
+  olx_release(l->lit);
   olx_release(l->irradiance);
   olx_release(l->passed_on);
   olx_release(l->noise);

@@ -73,6 +73,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
 void olx_light_surfels_free(olx_light_surfels *s) {
   olx_release(s->points);
   olx_release(s->surfels);
+  olx_release(s->uneven);
   olx_cell_table_free(&s->table);
   olx_near_lamps_free(&s->lamps);
   *s = (olx_light_surfels){0};

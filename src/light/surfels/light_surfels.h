@@ -45,6 +45,7 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
+  bool *uneven;         // for each surfel, whether the sun reaches a part of its cell, or may do so; NULL: not known
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED
   uint64_t rays;        // rays cast to explore distances
@@ -52,6 +53,10 @@ typedef struct olx_light_surfels {
 } olx_light_surfels;
 
 #define OLX_CELL_DIVIDED 0x80000000u
+
+static inline bool olx_surfel_is_uneven(const olx_light_surfels *surfels, uint32_t surfel) {
+  return surfels->uneven && surfels->uneven[surfel];
+}
 
 olx_result olx_light_surfels_create(olx_light_surfels *surfels, const olx_scene *scene, float spacing, uint32_t seed,
                                     uint32_t threads);

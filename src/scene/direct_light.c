@@ -252,7 +252,15 @@ olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *su
   return irradiance_of(scene, surface, dark, NULL, sampler, rays);
 }
 
+static bool has_sun(const olx_scene *scene) {
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    if (scene->lights[i].type == OLX_LIGHT_SUN) return true;
+  }
+  return false;
+}
+
 olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays) {
+  if (!has_sun(scene)) return olx_splat(0.0f);
   const olx_surface white = whiten(surface);
   const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   olx_vec3 sum = {0};

@@ -573,8 +573,8 @@ static olx_scene *room_with_a_hole(void) {
   return made_finish(scene);
 }
 
-// Counts the guided rays that end in cells that the sun reaches unevenly, or in others, and of these the ones that found
-// the direct light there themselves.
+// Counts the guided rays that end in cells that are uneven, or not, as `uneven` says, and those of them that found the
+// direct light of their end themselves.
 static void count_links(const olx_scene_light_parts *parts, bool uneven, uint32_t *all, uint32_t *lit) {
   for (uint32_t k = 0; k < parts->links->batch_count; k++) {
     const olx_link_batch *batch = &parts->links->batches[k];

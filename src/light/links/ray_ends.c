@@ -31,8 +31,8 @@ static const float MOST_SERVED = 0.5f;
 static const float MOST_LIT_SIDE = 0.3f;
 
 // Returns whether a ray finds the direct light at its end itself, where a surfel serves it with a cell of that side.
-// The mean over a cell that the sun reaches in part serves no ray, however far it comes from: a ray sees some parts of
-// the cell, which the sun reaches in another share.
+// The mean over a cell that the sun reaches in part serves no ray, however long: the parts of the cell that rays from
+// one place meet are lit in another share than the whole.
 static bool finds_light(const olx_light_surfels *s, uint32_t surfel, float side, float distance) {
   return olx_surfel_is_uneven(s, surfel) || side > MOST_LIT_SIDE * distance;
 }

@@ -209,7 +209,8 @@ static bool is_uneven(const olx_light_surfel *surfel, const cell_sum *sum, float
   return sum->most - sum->least > UNEVEN_RANGE * mean;
 }
 
-// Samples points that are spread over the area of the cell, because most of its points lie near probes.
+// Returns the direct light of a surfel, from points that are spread over the area of its cell, because most points of
+// the cell lie near probes.
 static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
   const olx_light_surfels *s = &d->light->surfels;
   const olx_surface_point *points = s->points + surfel->first_point;

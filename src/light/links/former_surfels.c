@@ -97,8 +97,8 @@ static bool casts_same(const surfel_numbers *a, const surfel_numbers *b) {
          memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
-// Returns whether two surfels cast the same rays, see the same surfaces close to them, and are uneven alike, so that the
-// same rays that end at them find direct light themselves.
+// Returns whether two surfels cast the same rays, see the same surfaces close to them, and are uneven alike, so that
+// the same rays that end at them find direct light themselves.
 static bool is_same(const surfel_pair *p, uint32_t before, uint32_t now) {
   const surfel_numbers a = p->before[before], b = numbers_of(p->now, now);
   return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest && a.uneven == b.uneven;

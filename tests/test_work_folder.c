@@ -116,7 +116,7 @@ static olx_manifest manifest_of(const char *scene, const char *instructions) {
   olx_manifest manifest = {""};
   olx_manifest_add(&manifest, "scene", scene);
   olx_manifest_add(&manifest, "instructions", instructions);
-  olx_manifest_add(&manifest, "stages", "manifest cast probe");
+  olx_manifest_add(&manifest, "stages", "manifest cast probe awaited");
   return manifest;
 }
 
@@ -423,6 +423,7 @@ enum { UNITS = 23 };
 // A test stage whose unit n is the number 100 n.
 typedef struct numbers {
   uint32_t made[UNITS], value[UNITS], told;
+  bool heeded; // whether the last part went no further than the mark
 } numbers;
 
 static olx_result make_number(void *user, uint32_t unit) {
@@ -624,6 +625,85 @@ static void a_part_that_reads_a_damaged_unit_has_it_made_again(void **state) {
   assert_int_equal(made(&n), UNITS + 1);
 }
 
+// Runs a part as the light of a scene does: it heeds the mark, and leaves one where it cannot go on.
+static olx_result run_marked_part(const place *p, numbers *n, uint32_t part, uint32_t parts) {
+  olx_unit_store *store = store_of(p, n, part, parts, 0);
+  const olx_unit_stage stage = stage_of(n);
+  olx_result result = olx_units_heed_mark(store);
+  n->heeded = result == OLX_ERROR_INCOMPLETE;
+  if (result == OLX_OK) result = olx_units_make(store, &stage);
+  if (result == OLX_ERROR_INCOMPLETE && !n->heeded) assert_int_equal(olx_units_leave_mark(store), OLX_OK);
+  olx_unit_store_close(store, false);
+  return result;
+}
+
+static void a_part_without_a_missing_unit_heeds_the_mark_of_others(void **state) {
+  place *p = *state;
+  numbers n = {0};
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_false(n.heeded); // there was no mark
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_true(n.heeded);
+  assert_non_null(strstr(olx_last_error(), "units of the stage 'probe' are not there yet"));
+  assert_in_range(made(&n), UNITS / 2, UNITS / 2 + 1);
+  assert_int_equal(run_marked_part(p, &n, 2, 2), OLX_OK);
+  assert_false(n.heeded); // the other half of the units is its own
+  assert_int_equal(made(&n), UNITS);
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_OK);
+  assert_false(n.heeded); // the stage is complete
+}
+
+static void a_mark_that_is_damaged_or_lost_costs_nothing_but_time(void **state) {
+  place *p = *state;
+  numbers n = {0};
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  flip_byte(file_in(p, "awaited-0-0.unit"), 70);
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_false(n.heeded);
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_true(n.heeded);
+  assert_int_equal(unlink(file_in(p, "awaited-0-0.unit")), 0);
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_false(n.heeded);
+}
+
+static void a_mark_is_no_concern_of_whole_bakes(void **state) {
+  place *p = *state;
+  numbers n = {0};
+  assert_int_equal(run_marked_part(p, &n, 1, 2), OLX_ERROR_INCOMPLETE);
+  assert_int_equal(run_marked_part(p, &n, 0, 0), OLX_OK);
+  assert_false(n.heeded);
+  all_right(&n);
+}
+
+// Stores a mark as no program of ours leaves it. Returns what a part makes of it.
+static olx_result heed_forged_mark(const place *p, const void *mark, size_t size_bytes) {
+  numbers n = {0};
+  olx_work_folder *folder = opened(p);
+  const olx_unit_name name = {"awaited", 0, 0, OLX_PARTS_ALL};
+  assert_int_equal(olx_work_folder_put(folder, &name, mark, size_bytes), OLX_OK);
+  olx_work_folder_close(folder);
+  olx_unit_store *store = store_of(p, &n, 1, 2, 0); // the first unit of 'cast' is of the other part
+  const olx_result result = olx_units_heed_mark(store);
+  olx_unit_store_close(store, false);
+  return result;
+}
+
+static void a_mark_that_cannot_be_true_is_ignored(void **state) {
+  struct {
+    char stage[16];
+    uint32_t numbers[4]; // round, count, parts of the scene, padding
+  } mark = {"cast", {0, 1}};
+  assert_int_equal(heed_forged_mark(*state, &mark, sizeof mark), OLX_ERROR_INCOMPLETE); // such a mark is believed
+  mark.numbers[1] = UINT32_MAX;
+  assert_int_equal(heed_forged_mark(*state, &mark, sizeof mark), OLX_OK);
+  mark.numbers[1] = 1;
+  memcpy(mark.stage, "../../../cast/x", 16);
+  assert_int_equal(heed_forged_mark(*state, &mark, sizeof mark), OLX_OK);
+  memset(mark.stage, 'a', 16);
+  assert_int_equal(heed_forged_mark(*state, &mark, sizeof mark), OLX_OK);
+}
+
 static void joining_makes_nothing(void **state) {
   place *p = *state;
   numbers n = {0}, joined = {0};
@@ -702,6 +782,10 @@ int main(void) {
       IN_A_PLACE(a_whole_bake_makes_what_is_missing),
       IN_A_PLACE(parts_in_any_order_make_every_unit_once),
       IN_A_PLACE(a_part_that_reads_a_damaged_unit_has_it_made_again),
+      IN_A_PLACE(a_part_without_a_missing_unit_heeds_the_mark_of_others),
+      IN_A_PLACE(a_mark_that_is_damaged_or_lost_costs_nothing_but_time),
+      IN_A_PLACE(a_mark_is_no_concern_of_whole_bakes),
+      IN_A_PLACE(a_mark_that_cannot_be_true_is_ignored),
       IN_A_PLACE(joining_makes_nothing),
       IN_A_PLACE(a_limit_bounds_the_folder),
       cmocka_unit_test(bytes_that_end_early_are_an_error),

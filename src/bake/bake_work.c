@@ -107,7 +107,7 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
   olx_manifest_add(&manifest, "stages",
                    "manifest plan scene light points cast surfels direct bounce final record lookup facts volume irradiance classic "
-                   "relight gathers probe");
+                   "relight gathers probe awaited");
   return manifest;
 }
 

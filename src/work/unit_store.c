@@ -6,8 +6,19 @@
 #include "core/result.h"
 #include "work/unit_deal.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+
+// A stage for whose units a part has to wait.
+typedef struct awaited_units {
+  char stage[16];
+  uint32_t round, count; // count 0: none
+  olx_scene_parts parts;
+} awaited_units;
+
+// A mark with more units than any stage has is not believed.
+enum { MOST_AWAITED = 1 << 20 };
 
 struct olx_unit_store {
   olx_unit_store_settings settings;
@@ -15,6 +26,7 @@ struct olx_unit_store {
   olx_manifest manifest;
   bool joins, full; // `full`: the limit was reached, so that nothing more is stored
   olx_work_folder *folder;
+  awaited_units awaited; // those for which OLX_ERROR_INCOMPLETE was returned last
 };
 
 static olx_result open_folder(olx_unit_store *s) {
@@ -192,7 +204,9 @@ static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint
   return OLX_OK;
 }
 
-static olx_result refuse_missing(const olx_unit_store *s, const olx_unit_stage *stage, uint32_t missing) {
+static olx_result refuse_missing(olx_unit_store *s, const olx_unit_stage *stage, uint32_t missing) {
+  s->awaited = (awaited_units){.round = stage->round, .count = stage->count, .parts = stage->parts};
+  snprintf(s->awaited.stage, sizeof s->awaited.stage, "%s", stage->name);
   return olx_fail(OLX_ERROR_INCOMPLETE, "%s: %u of %u units of the stage '%s' are not there yet", s->path, missing,
                   stage->count, stage->name);
 }
@@ -249,7 +263,7 @@ static bool wait_for(const olx_unit_store *s, const olx_unit_name *name) {
   return stored;
 }
 
-olx_result olx_units_await(const olx_unit_store *s, const olx_unit_stage *stage) {
+olx_result olx_units_await(olx_unit_store *s, const olx_unit_stage *stage) {
   for (uint32_t unit = 0; s && unit < stage->count; unit++) {
     const olx_unit_name name = name_of(stage, unit);
     if (wait_for(s, &name)) continue;
@@ -286,4 +300,61 @@ olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
   }
   if (!missing) return OLX_OK;
   return mine ? make_unit(s, stage, 0, damaged) : refuse_missing(s, stage, 1);
+}
+
+// ---- The mark of the stage for which parts wait
+
+static void save_awaited(void *user, uint32_t unit, olx_byte_writer *to) {
+  (void)unit;
+  olx_bytes_put(to, user, 1, sizeof(awaited_units));
+}
+
+static bool is_stage_name(const char *name, size_t size) {
+  const size_t length = strnlen(name, size);
+  return length > 0 && length < size && strspn(name, "abcdefghijklmnopqrstuvwxyz") == length;
+}
+
+// A mark that cannot be true counts as none.
+static olx_result load_awaited(void *user, uint32_t unit, olx_byte_reader *from) {
+  (void)unit;
+  awaited_units *a = user;
+  olx_bytes_copy(from, a, 1, sizeof *a);
+  if (!is_stage_name(a->stage, sizeof a->stage) || a->count > MOST_AWAITED) a->count = 0;
+  return OLX_OK;
+}
+
+static olx_unit_stage mark_of(awaited_units *a) {
+  return (olx_unit_stage){"awaited", 0, 1, a, NULL, save_awaited, load_awaited, OLX_PARTS_ALL};
+}
+
+static bool uses_marks(const olx_unit_store *s) { return olx_unit_store_is_part(s) && !s->settings.wait; }
+
+olx_result olx_units_leave_mark(olx_unit_store *s) {
+  if (!uses_marks(s) || s->awaited.count == 0) return OLX_OK;
+  const olx_unit_stage mark = mark_of(&s->awaited);
+  return olx_unit_keep(s, &mark);
+}
+
+// Refuses to go on where units of a stage are missing and this part has to compute none of them.
+static olx_result refuse_units_of_others(olx_unit_store *s, const olx_unit_stage *stage) {
+  const olx_unit_deal deal = deal_of(s, stage);
+  uint32_t missing = 0;
+  for (uint32_t unit = 0; unit < stage->count; unit++) {
+    const olx_unit_name name = name_of(stage, unit);
+    if (is_stored(s, &name)) continue;
+    if (olx_unit_is_dealt(&deal, unit)) return OLX_OK;
+    missing++;
+  }
+  return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
+}
+
+olx_result olx_units_heed_mark(olx_unit_store *s) {
+  awaited_units awaited = {.count = 0};
+  const olx_unit_stage mark = mark_of(&awaited);
+  bool missing;
+  if (!uses_marks(s) || !olx_units_have(s, &mark)) return OLX_OK;
+  OLX_TRY(load_unit(s, &mark, 0, &missing));
+  const olx_unit_stage stage = {
+      .name = awaited.stage, .round = awaited.round, .count = awaited.count, .parts = awaited.parts};
+  return refuse_units_of_others(s, &stage);
 }

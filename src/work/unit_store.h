@@ -76,12 +76,22 @@ void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_r
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Waits until every unit of a stage is stored. Returns OLX_ERROR_INCOMPLETE when some are missing and the
 // store may not wait for them. store may be NULL.
-olx_result olx_units_await(const olx_unit_store *store, const olx_unit_stage *stage);
+olx_result olx_units_await(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a complete stage. A part needs it to read the units that olx_units_make left to others.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
 // Stores unit 0 of a stage that was computed as a part of another unit; it is not reported. store may be NULL.
 olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);
 // Runs a stage of one unit, after which its result is in memory.
 olx_result olx_unit_once(olx_unit_store *store, const olx_unit_stage *stage);
+
+// Parts that never wait share a mark in the folder: the stage that lets none of them go on while units are missing.
+// Whoever heeds it learns what is missing without loading the stages before. A part whose share is missing, or that
+// finds no mark or one that has been overtaken, has to run the stages to find out. store may be NULL.
+//
+// Leaves a mark of the stage for which OLX_ERROR_INCOMPLETE was returned last. The caller must not have gone on to other
+// stages since, and no other part may be able to.
+olx_result olx_units_leave_mark(olx_unit_store *store);
+// Returns OLX_ERROR_INCOMPLETE when units of the marked stage are missing and other parts have to compute all of them.
+olx_result olx_units_heed_mark(olx_unit_store *store);
 
 #endif

@@ -493,9 +493,18 @@ olx_result olx_light_units_explore(olx_scene_light *l) {
   return OLX_OK;
 }
 
-olx_result olx_light_units_run(olx_scene_light *l) {
+// No part can go on while a step is incomplete, so that those with nothing to add need not load the steps before it.
+static olx_result run_steps_in_part(olx_scene_light *l) {
+  OLX_TRY(olx_units_heed_mark(l->settings.store));
   const olx_result result = run_steps(l);
-  if (result != OLX_ERROR_INCOMPLETE || olx_unit_store_is_part(l->settings.store)) return result;
+  if (result == OLX_ERROR_INCOMPLETE) OLX_TRY(olx_units_leave_mark(l->settings.store));
+  return result;
+}
+
+olx_result olx_light_units_run(olx_scene_light *l) {
+  if (olx_unit_store_is_part(l->settings.store)) return run_steps_in_part(l);
+  const olx_result result = run_steps(l);
+  if (result != OLX_ERROR_INCOMPLETE) return result;
   // Damaged links were discarded with the steps after them; a whole bake recomputes these at once.
   olx_scene_light_clear(l);
   return run_steps(l);

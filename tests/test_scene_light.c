@@ -613,6 +613,75 @@ static void no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part(void **
   olx_scene_free(scene);
 }
 
+// A room below slats, between which the sun draws lines on the floor that are finer than cells.
+static olx_scene *room_below_slats(olx_vec3 direction) {
+  enum { SLATS = 20 };
+  const float pitch = 2.0f / SLATS;
+  olx_scene *scene = made_scene();
+  olx_material white = olx_material_default();
+  white.base_color = olx_splat(0.5f);
+  white.specular_weight = 0.0f;
+  const uint32_t paint = made_material(scene, &white);
+  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), paint);
+  for (float side = -1.0f; side < 2.0f; side += 2.0f) {
+    made_quad(scene, olx_v3(0, 0, side), olx_v3(2, 0, 0), olx_v3(0, 2, 0), paint);
+    made_quad(scene, olx_v3(side, 0, 0), olx_v3(0, 0, 2), olx_v3(0, 2, 0), paint);
+  }
+  for (uint32_t i = 0; i < SLATS; i++) {
+    const float x = ((float)i + 0.5f) * pitch - 1.0f;
+    made_quad(scene, olx_v3(x, 1, 0), olx_v3(0, 0, 2), olx_v3(0.8f * pitch, 0, 0), paint);
+  }
+  const olx_light sun = {
+      .type = OLX_LIGHT_SUN, .direction = olx_normalize(direction), .emission = olx_splat(10.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &sun), OLX_OK);
+  return made_finish(scene);
+}
+
+// Returns the direct light that long rays take at a surface: that of the point in uneven cells, else that of the cell.
+static olx_vec3 light_taken(const olx_scene_light_parts *parts, const olx_surface *surface, const olx_ray_hit *hit,
+                            olx_vec3 exact) {
+  const olx_surface_point point = olx_surface_point_make(&parts->surfels->grid, surface, hit, 0.01f);
+  const olx_surfel_found found = olx_light_surfels_find(parts->surfels, point.key, surface, INFINITY);
+  if (found.surfel == OLX_CELL_NONE || olx_surfel_is_uneven(parts->surfels, found.surfel)) return exact;
+  return parts->direct[found.surfel];
+}
+
+typedef struct sunlight {
+  double taken, wanted;
+} sunlight;
+
+// Adds what rays take of the sunlight at points of the floor, and what there is.
+static void add_sunlight(const olx_scene *scene, const olx_scene_light *light, sunlight *sum) {
+  enum { FLOOR_POINTS = 4096 };
+  const olx_scene_light_parts parts = olx_scene_light_open(light);
+  for (uint32_t i = 0; i < FLOOR_POINTS; i++) {
+    const olx_vec2 uv = olx_hammersley(i, FLOOR_POINTS);
+    const olx_ray ray = {olx_v3(2.0f * uv.x - 1.0f, 0, 2.0f * uv.y - 1.0f), olx_v3(0, -1, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface floor = olx_surface_at(scene, &hit, ray.direction);
+    uint64_t rays = 0;
+    const olx_vec3 exact = olx_direct_irradiance_of_suns(scene, &floor, &rays);
+    sum->taken += (double)olx_luminance(light_taken(&parts, &floor, &hit, exact));
+    sum->wanted += (double)olx_luminance(exact);
+  }
+}
+
+// If a cell's own points decided whether rays take its mean, cells would keep means that are too small and lose those
+// that are too large.
+static void lines_of_sunlight_are_neither_lost_nor_doubled(void **state) {
+  (void)state;
+  sunlight sum = {0};
+  for (float tilt = -0.6f; tilt < 0.7f; tilt += 0.2f) {
+    olx_scene *scene = room_below_slats(olx_v3(0.1f, -1, tilt));
+    olx_scene_light *light = solve_fixture(scene, 0.5f);
+    add_sunlight(scene, light, &sum);
+    olx_scene_light_free(light);
+    olx_scene_free(scene);
+  }
+  print_message("rays take %.4f of the sunlight on the floor\n", sum.taken / sum.wanted);
+  assert_true(fabs(sum.taken / sum.wanted - 1.0) < 0.03);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -629,6 +698,7 @@ int main(void) {
       cmocka_unit_test(records_follow_an_edge_of_light),
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part),
+      cmocka_unit_test(lines_of_sunlight_are_neither_lost_nor_doubled),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,10 +43,13 @@ typedef struct olx_link_patch {
   uint32_t count;
 } olx_link_patch;
 
+// Where the sun reaches the points of a cell: nowhere, everywhere and about evenly, or (both) neither.
+enum { OLX_SUN_MISSES = 1, OLX_SUN_REACHES = 2, OLX_SUN_UNEVEN = OLX_SUN_MISSES | OLX_SUN_REACHES };
+
 // The direct light of a surfel.
 typedef struct olx_surfel_lit {
-  olx_vec3 light;  // W/m^2
-  uint32_t uneven; // whether the sun reaches a part of its cell, or may do so
+  olx_vec3 light; // W/m^2
+  uint32_t sun;   // OLX_SUN_MISSES and OLX_SUN_REACHES
 } olx_surfel_lit;
 
 struct olx_scene_light {

@@ -19,7 +19,6 @@ enum {
   LEAST_RAYS = 16,          // per surfel where memory is short
   LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
   MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
-  TELLING_POINTS = 8,       // points of a cell from which they tell whether the sun reaches all of it
   ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
   DIRECT_A_UNIT = 1 << 12,  // surfels
   FEW_BOUNCES = 4,          // bounces from which noise is estimated
@@ -203,10 +202,9 @@ static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel
   sum->most = olx_max(sum->most, sun);
 }
 
-// Few points that the sun reaches do not tell whether it reaches what lies between them.
-static bool is_uneven(const olx_light_surfel *surfel, const cell_sum *sum, float mean) {
-  if (surfel->point_count < TELLING_POINTS) return sum->most > 0.0f;
-  return sum->most - sum->least > UNEVEN_RANGE * mean;
+static uint32_t reach_of(const cell_sum *sum, float mean) {
+  if (sum->most <= 0.0f) return OLX_SUN_MISSES;
+  return sum->most - sum->least > UNEVEN_RANGE * mean ? OLX_SUN_UNEVEN : OLX_SUN_REACHES;
 }
 
 // Returns the direct light of a surfel, from points that are spread over the area of its cell, because most points of
@@ -223,7 +221,7 @@ static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *su
     add_point(s, surfel, &points[i], k, &sum, rays);
   }
   const olx_vec3 mean = olx_scale(sum.light, 1.0f / (float)d->points);
-  return (olx_surfel_lit){mean, is_uneven(surfel, &sum, olx_luminance(mean))};
+  return (olx_surfel_lit){mean, reach_of(&sum, olx_luminance(mean))};
 }
 
 static void light_directly(void *user, uint32_t job) {
@@ -336,7 +334,6 @@ static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
 }
 
 static olx_result learn(olx_scene_light *l) {
-  OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_link_batch_release_fixed(&l->batches[k]);
@@ -393,22 +390,37 @@ static olx_result settle_exploring(olx_scene_light *l) {
   return begin_direct(l);
 }
 
+// Finds the cells that the sun reaches in part, or may do so: those of each larger cell whose surfels learn together and
+// where it is uneven. If a cell's own points decided, cells would keep means that are too small, where all points
+// happen to miss the sun, and lose those that are too large.
+static olx_result find_uneven(olx_scene_light *l) {
+  const uint32_t count = l->surfels.count;
+  bool *uneven = l->surfels.uneven = olx_allocate(count, sizeof *uneven);
+  uint8_t *sun = olx_allocate_zero(l->guide.pool_count, sizeof *sun);
+  if (!uneven || !sun) {
+    olx_release(sun);
+    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  }
+  for (uint32_t i = 0; i < count; i++) sun[l->guide.pool_of[i]] |= (uint8_t)l->lit[i].sun;
+  for (uint32_t i = 0; i < count; i++) uneven[i] = sun[l->guide.pool_of[i]] == OLX_SUN_UNEVEN;
+  olx_release(sun);
+  return OLX_OK;
+}
+
 // Gives surfels the direct light that was found.
 static olx_result take_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
   l->direct = olx_allocate(count, sizeof *l->direct);
-  bool *uneven = l->surfels.uneven = olx_allocate(count, sizeof *uneven);
-  if (!l->direct || !uneven) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
-  for (uint32_t i = 0; i < count; i++) {
-    l->direct[i] = l->lit[i].light;
-    uneven[i] = l->lit[i].uneven != 0;
-  }
+  if (!l->direct) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  for (uint32_t i = 0; i < count; i++) l->direct[i] = l->lit[i].light;
+  OLX_TRY(find_uneven(l));
   olx_release(l->lit);
   l->lit = NULL;
   return OLX_OK;
 }
 
 static olx_result settle_direct(olx_scene_light *l) {
+  OLX_TRY(olx_ray_guide_create(&l->guide, &l->surfels));
   OLX_TRY(take_direct(l));
   OLX_TRY(solve(l, FEW_BOUNCES));
   OLX_TRY(learn(l));

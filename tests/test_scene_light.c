@@ -553,23 +553,31 @@ static void a_lamp_below_the_sky_loses_no_light(void **state) {
   olx_scene_free(scene);
 }
 
-// A room with a hole of half a metre in its ceiling, above which stands the sun.
-static olx_scene *room_with_a_hole(void) {
+// The floor and the walls of a room of two metres, below the sun. *paint receives its material, for a ceiling.
+static olx_scene *room_in_the_sun(olx_vec3 direction, uint32_t *paint) {
   olx_scene *scene = made_scene();
   olx_material white = olx_material_default();
   white.base_color = olx_splat(0.5f);
   white.specular_weight = 0.0f;
-  const uint32_t paint = made_material(scene, &white);
-  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), paint);
+  *paint = made_material(scene, &white);
+  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), *paint);
   for (float side = -1.0f; side < 2.0f; side += 2.0f) {
-    made_quad(scene, olx_v3(0, 0, side), olx_v3(2, 0, 0), olx_v3(0, 2, 0), paint);
-    made_quad(scene, olx_v3(side, 0, 0), olx_v3(0, 0, 2), olx_v3(0, 2, 0), paint);
+    made_quad(scene, olx_v3(0, 0, side), olx_v3(2, 0, 0), olx_v3(0, 2, 0), *paint);
+    made_quad(scene, olx_v3(side, 0, 0), olx_v3(0, 0, 2), olx_v3(0, 2, 0), *paint);
+  }
+  const olx_light sun = {.type = OLX_LIGHT_SUN, .direction = olx_normalize(direction), .emission = olx_splat(10.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &sun), OLX_OK);
+  return scene;
+}
+
+// A room with a hole of half a metre in its ceiling.
+static olx_scene *room_with_a_hole(void) {
+  uint32_t paint;
+  olx_scene *scene = room_in_the_sun(olx_v3(0.1f, -1, 0.2f), &paint);
+  for (float side = -1.0f; side < 2.0f; side += 2.0f) {
     made_quad(scene, olx_v3(0.625f * side, 1, 0), olx_v3(0, 0, 2), olx_v3(0.75f, 0, 0), paint);
     made_quad(scene, olx_v3(0, 1, 0.625f * side), olx_v3(0, 0, 0.75f), olx_v3(0.5f, 0, 0), paint);
   }
-  const olx_light sun = {
-      .type = OLX_LIGHT_SUN, .direction = olx_normalize(olx_v3(0.1f, -1, 0.2f)), .emission = olx_splat(10.0f)};
-  assert_int_equal(olx_scene_add_light(scene, &sun), OLX_OK);
   return made_finish(scene);
 }
 
@@ -617,23 +625,12 @@ static void no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part(void **
 static olx_scene *room_below_slats(olx_vec3 direction) {
   enum { SLATS = 20 };
   const float pitch = 2.0f / SLATS;
-  olx_scene *scene = made_scene();
-  olx_material white = olx_material_default();
-  white.base_color = olx_splat(0.5f);
-  white.specular_weight = 0.0f;
-  const uint32_t paint = made_material(scene, &white);
-  made_quad(scene, olx_v3(0, -1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), paint);
-  for (float side = -1.0f; side < 2.0f; side += 2.0f) {
-    made_quad(scene, olx_v3(0, 0, side), olx_v3(2, 0, 0), olx_v3(0, 2, 0), paint);
-    made_quad(scene, olx_v3(side, 0, 0), olx_v3(0, 0, 2), olx_v3(0, 2, 0), paint);
-  }
+  uint32_t paint;
+  olx_scene *scene = room_in_the_sun(direction, &paint);
   for (uint32_t i = 0; i < SLATS; i++) {
     const float x = ((float)i + 0.5f) * pitch - 1.0f;
     made_quad(scene, olx_v3(x, 1, 0), olx_v3(0, 0, 2), olx_v3(0.8f * pitch, 0, 0), paint);
   }
-  const olx_light sun = {
-      .type = OLX_LIGHT_SUN, .direction = olx_normalize(direction), .emission = olx_splat(10.0f)};
-  assert_int_equal(olx_scene_add_light(scene, &sun), OLX_OK);
   return made_finish(scene);
 }
 

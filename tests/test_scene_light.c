@@ -663,8 +663,8 @@ static void add_sunlight(const olx_scene *scene, const olx_scene_light *light, s
   }
 }
 
-// If a cell's own points decided whether rays take its mean, cells would keep means that are too small and lose those
-// that are too large.
+// If a cell's own few points decided whether rays take its mean, means that are too small would be kept, and those that
+// are too large replaced by the truth.
 static void lines_of_sunlight_are_neither_lost_nor_doubled(void **state) {
   (void)state;
   sunlight sum = {0};

@@ -202,6 +202,7 @@ static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel
   sum->most = olx_max(sum->most, sun);
 }
 
+// Returns OLX_SUN_MISSES, OLX_SUN_REACHES or both, for a cell whose direct light has the mean luminance `mean`.
 static uint32_t reach_of(const cell_sum *sum, float mean) {
   if (sum->most <= 0.0f) return OLX_SUN_MISSES;
   return sum->most - sum->least > UNEVEN_RANGE * mean ? OLX_SUN_UNEVEN : OLX_SUN_REACHES;
@@ -390,9 +391,9 @@ static olx_result settle_exploring(olx_scene_light *l) {
   return begin_direct(l);
 }
 
-// Finds the cells that the sun reaches in part, or may do so: those of each larger cell whose surfels learn together and
-// where it is uneven. If a cell's own points decided, cells would keep means that are too small, where all points
-// happen to miss the sun, and lose those that are too large.
+// Finds the cells that the sun reaches in part, or may do so. All cells of a larger one, whose surfels learn together,
+// are judged as one. If a cell's own few points decided, a mean would be kept where it is too small because all points
+// happen to miss the sun, but replaced where it is too large because all of them happen to meet it.
 static olx_result find_uneven(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
   bool *uneven = l->surfels.uneven = olx_allocate(count, sizeof *uneven);

@@ -45,7 +45,7 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
-  bool *uneven;         // for each surfel, whether the sun reaches a part of its cell, or may do so; NULL: not known
+  bool *uneven;         // for each surfel, whether the sun reaches its cell, or cells near it, in part; NULL: not known
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED
   uint64_t rays;        // rays cast to explore distances

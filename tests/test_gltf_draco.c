@@ -32,11 +32,11 @@ static uint32_t add_stream(gltf_maker *m, float z, bool sequential) {
 }
 
 // Adds accessors without views: positions, normals, coordinates, indices.
-static void add_accessors(gltf_maker *m, uint32_t points) {
+static void add_accessors(gltf_maker *m, uint32_t points, uint32_t corners) {
   gltf_add_accessor(m, "", points, GLTF_FLOAT, "VEC3");
   gltf_add_accessor(m, "", points, GLTF_FLOAT, "VEC3");
   gltf_add_accessor(m, "", points, GLTF_FLOAT, "VEC2");
-  gltf_add_accessor(m, "", 6, GLTF_UINT16, "SCALAR");
+  gltf_add_accessor(m, "", corners, GLTF_UINT16, "SCALAR");
 }
 
 #define ATTRIBUTES "\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2}"
@@ -53,7 +53,7 @@ static void streams_are_the_square_that_they_were_made_of(void **state) {
   for (int sequential = 0; sequential < 2; ++sequential) {
     gltf_maker m = {0};
     add_stream(&m, 0.0f, sequential);
-    add_accessors(&m, 4);
+    add_accessors(&m, 4, 6);
     olx_scene *scene = load_model(write_square_model(&m, *state, one, "[{\"mesh\": 0}]", REQUIRED TEXTURED));
     assert_int_equal(scene->triangle_count, 2);
     for (uint32_t t = 0; t < 2; ++t) assert_near_vector(winding_normal(scene, t), 0, 0, 1, 1e-6f);
@@ -77,7 +77,7 @@ static void primitives_that_share_accessors_have_elements_of_their_own(void **st
   gltf_maker m = {0};
   add_stream(&m, 0.0f, false);
   add_stream(&m, 3.0f, false);
-  add_accessors(&m, 4);
+  add_accessors(&m, 4, 6);
   olx_scene *scene = load_model(write_square_model(
       &m, *state,
       "{" ATTRIBUTES ", \"indices\": 3, " COMPRESSED("0") "}, {" ATTRIBUTES ", \"indices\": 3, " COMPRESSED("1") "}",
@@ -90,6 +90,27 @@ static void primitives_that_share_accessors_have_elements_of_their_own(void **st
     }
   }
   olx_scene_free(scene);
+}
+
+// FBX2glTF leaves the numbers that a mesh had before it was compressed.
+static void the_number_of_points_is_the_streams(void **state) {
+  for (int sequential = 0; sequential < 2; ++sequential) {
+    for (uint32_t claimed = 3; claimed <= 4 + 2 * !sequential; ++claimed) {
+      gltf_maker m = {0};
+      add_stream(&m, 0.0f, sequential);
+      add_stream(&m, 3.0f, sequential);
+      add_accessors(&m, claimed, 6);
+      olx_scene *scene =
+          load_model(write_square_model(&m, *state,
+                                        "{" ATTRIBUTES ", \"indices\": 3, " COMPRESSED(
+                                            "0") "}, {" ATTRIBUTES ", \"indices\": 3, " COMPRESSED("1") "}",
+                                        "[{\"mesh\": 0}]", REQUIRED));
+      assert_int_equal(scene->vertex_count, 8);
+      assert_int_equal(scene->triangle_count, 4);
+      for (uint32_t t = 0; t < 4; ++t) assert_near_vector(winding_normal(scene, t), 0, 0, 1, 1e-6f);
+      olx_scene_free(scene);
+    }
+  }
 }
 
 static void an_uncompressed_form_is_read_instead(void **state) {
@@ -139,19 +160,34 @@ static void primitives_that_do_not_fit_their_stream_are_refused(void **state) {
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     gltf_maker m = {0};
     add_stream(&m, 0.0f, false);
-    add_accessors(&m, 4);
+    add_accessors(&m, 4, 6);
     assert_refused(*state, &m, cases[i].primitive, cases[i].message);
   }
 }
 
-static void counts_that_differ_from_the_streams_are_refused(void **state) {
+// Adds a view of one triangle whose stream has four points, more than corners.
+static void add_stream_with_an_unused_point(gltf_maker *m) {
+  uint8_t stream[1024];
+  const draco_mesh mesh = {.positions = square_positions,
+                           .normals = square_normals,
+                           .uvs = square_uvs,
+                           .points = 4,
+                           .indices = indices,
+                           .faces = 1,
+                           .sequential = true};
+  const size_t size_bytes = draco_encode(&mesh, stream, sizeof stream);
+  assert_true(size_bytes > 0);
+  gltf_add_view(m, stream, size_bytes, "");
+}
+
+static void counts_that_no_stream_can_have_are_refused(void **state) {
   gltf_maker more = {0}, fewer = {0};
   add_stream(&more, 0.0f, false);
-  add_accessors(&more, 400);
+  add_accessors(&more, 400, 6);
   assert_refused(*state, &more, one, "other numbers of triangles or points");
-  add_stream(&fewer, 0.0f, false);
-  add_accessors(&fewer, 3);
-  assert_refused(*state, &fewer, one, "accessors[0]: a Draco stream has another number of its elements");
+  add_stream_with_an_unused_point(&fewer);
+  add_accessors(&fewer, 3, 3);
+  assert_refused(*state, &fewer, one, "its Draco stream cannot be decoded");
 }
 
 // Bytes 5 to 10 are the version, the kind of geometry, the method, and flags; then come the kind of traversal, the
@@ -171,14 +207,14 @@ static void streams_with_a_wrong_header_are_refused(void **state) {
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     gltf_maker m = {0};
     add_stream(&m, 0.0f, false);
-    add_accessors(&m, 4);
+    add_accessors(&m, 4, 6);
     m.bytes[cases[i].place] = cases[i].byte;
     assert_refused(*state, &m, one, cases[i].message);
   }
   const uint8_t greedy[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 1, 0, 0, 0, 4, 0xFF, 0xFF, 0xFF, 0x7F};
   gltf_maker m = {0};
   gltf_add_view(&m, greedy, sizeof greedy, "");
-  add_accessors(&m, 4);
+  add_accessors(&m, 4, 6);
   assert_refused(*state, &m, one, "its bytes cannot hold so many triangles");
 }
 
@@ -188,7 +224,7 @@ static void damaged_streams_are_refused_or_read(void **state) {
   for (int sequential = 0; sequential < 2; ++sequential) {
     gltf_maker whole = {0};
     add_stream(&whole, 0.0f, sequential);
-    add_accessors(&whole, 4);
+    add_accessors(&whole, 4, 6);
     for (size_t i = 0; i < whole.size_bytes; ++i) {
       for (int damage = 0; damage < 3; ++damage) {
         gltf_maker m = whole;
@@ -210,9 +246,10 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_FOLDER(streams_are_the_square_that_they_were_made_of),
       WITH_FOLDER(primitives_that_share_accessors_have_elements_of_their_own),
+      WITH_FOLDER(the_number_of_points_is_the_streams),
       WITH_FOLDER(an_uncompressed_form_is_read_instead),
       WITH_FOLDER(primitives_that_do_not_fit_their_stream_are_refused),
-      WITH_FOLDER(counts_that_differ_from_the_streams_are_refused),
+      WITH_FOLDER(counts_that_no_stream_can_have_are_refused),
       WITH_FOLDER(streams_with_a_wrong_header_are_refused),
       WITH_FOLDER(damaged_streams_are_refused_or_read),
   };

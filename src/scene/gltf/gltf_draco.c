@@ -123,10 +123,18 @@ olx_result olx_gltf_check_draco(const olx_gltf *gltf, uint32_t mesh, const cJSON
 
 // ---- Decoding
 
-// Makes room for the elements of a primitive; the accessor keeps it for further ones.
-static olx_result make_room(const olx_gltf *gltf, const cJSON *primitive, olx_gltf_accessor *a, uint64_t count) {
+// Makes room for the elements of a primitive. The stream's number of them replaces the accessor's, because some writers
+// (FBX2glTF) leave there what the mesh had before it was compressed. Only a number that the accessor claimed may exceed
+// `most`, since memory was bounded by these two.
+static olx_result make_room(const olx_gltf *gltf, const cJSON *primitive, olx_gltf_accessor *a, uint64_t count,
+                            uint64_t most) {
   if (a->count != count) {
-    return olx_gltf_fail(gltf, "accessors", number_of(gltf, a), "a Draco stream has another number of its elements");
+    if (count == 0 || count > most) {
+      return olx_gltf_fail(gltf, "accessors", number_of(gltf, a), "a Draco stream has another number of its elements");
+    }
+    olx_release(a->decoded);
+    a->decoded = NULL;
+    a->count = count;
   }
   a->decoded_for = primitive;
   if (!a->decoded) a->decoded = olx_allocate(a->count, a->stride);
@@ -136,16 +144,17 @@ static olx_result make_room(const olx_gltf *gltf, const cJSON *primitive, olx_gl
 static olx_result read_mesh(const olx_gltf *gltf, const cJSON *primitive, const olx_draco_mesh *mesh) {
   const cJSON *ids = olx_json_member(compression_of(gltf, primitive), "attributes"), *id = NULL;
   olx_gltf_accessor *indices = accessor_of(gltf, primitive, "indices");
+  const uint64_t corners = 3 * (uint64_t)olx_draco_faces(mesh);
   cJSON_ArrayForEach(id, ids) {
     olx_gltf_accessor *a = attribute_of(gltf, primitive, id->string);
     uint64_t number;
     olx_json_size(ids, id->string, 0, &number);
-    OLX_TRY(make_room(gltf, primitive, a, olx_draco_points(mesh)));
+    OLX_TRY(make_room(gltf, primitive, a, olx_draco_points(mesh), corners));
     if (!olx_draco_read_attribute(mesh, (uint32_t)number, (int)a->type, a->components, a->decoded)) {
       return olx_gltf_fail(gltf, "accessors", number_of(gltf, a), "a Draco stream has no such elements");
     }
   }
-  OLX_TRY(make_room(gltf, primitive, indices, 3 * (uint64_t)olx_draco_faces(mesh)));
+  OLX_TRY(make_room(gltf, primitive, indices, corners, corners));
   if (olx_draco_read_faces(mesh, (int)indices->type, indices->decoded)) return OLX_OK;
   return olx_gltf_fail(gltf, "accessors", number_of(gltf, indices), "a Draco stream has indices of more bits");
 }

@@ -305,6 +305,7 @@ static olx_result make_triangles(primitive_reader *r) {
 
 static olx_result read_primitive(primitive_reader *r) {
   OLX_TRY(olx_gltf_decode_draco(r->gltf, r->primitive));
+  r->vertices = (uint32_t)vertex_count(r->gltf, r->primitive);
   OLX_TRY(read_positions(r));
   OLX_TRY(read_normals(r));
   OLX_TRY(read_tangents(r));
@@ -359,12 +360,8 @@ static olx_result add_primitive(const olx_gltf *gltf, uint32_t mesh, const cJSON
   olx_gltf_index(primitive, "material", gltf->materials.count, &material);
   const olx_gltf_surface *surface = &surfaces[material == OLX_GLTF_NONE ? gltf->materials.count : material];
   if (!has_triangles(gltf, primitive, surface, &notes->model)) return OLX_OK;
-  primitive_reader reader = {.gltf = gltf,
-                             .primitive = primitive,
-                             .surface = surface,
-                             .transform = transform,
-                             .notes = notes,
-                             .vertices = (uint32_t)vertex_count(gltf, primitive)};
+  primitive_reader reader = {
+      .gltf = gltf, .primitive = primitive, .surface = surface, .transform = transform, .notes = notes};
   olx_result result = read_primitive(&reader);
   if (result == OLX_OK) result = append_primitive(&reader, mesh);
   release_reader(&reader);

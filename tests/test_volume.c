@@ -142,6 +142,27 @@ static void rooms_behind_a_thin_wall_have_probes_of_their_own(void **state) {
   }
 }
 
+// Cells are half a metre wide here, and a border of theirs is at y = -1. Floors are rarely exactly where they seem to be.
+static void a_floor_just_behind_a_border_of_cells_is_served(void **state) {
+  (void)state;
+  static const float millimetres[] = {0.05f, 0.1f, 0.2f, 0.43f, 0.48f, 0.5f, 0.7f, 0.95f, 1.0f, 1.5f, 3.0f};
+  for (uint32_t i = 0; i < sizeof millimetres / sizeof *millimetres; i++) {
+    const olx_vec3 low = {-2, -1 - 1e-3f * millimetres[i], -1.03f}, high = {2.3f, 1.31f, 1.43f};
+    olx_scene *scene = made_scene();
+    add_room(scene, low, high, grey(scene, 1.0f));
+    made_finish(scene);
+    olx_bake_settings settings = small_settings(scene);
+    settings.noise = 0.5f; // light does not matter here
+    set_two_probes(&settings);
+    olx_bake_stats stats;
+    olx_field *field = baked_field(scene, &settings, &stats);
+    assert_served_from_within(field, low, high);
+    assert_true(stats.volume_unserved == 0.0);
+    olx_field_close(field);
+    olx_scene_free(scene);
+  }
+}
+
 static void the_sides_of_a_sheet_have_probes_of_their_own(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
@@ -383,6 +404,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_glowing_room_follows_the_series),
       cmocka_unit_test(rooms_behind_a_thin_wall_have_probes_of_their_own),
+      cmocka_unit_test(a_floor_just_behind_a_border_of_cells_is_served),
       cmocka_unit_test(the_sides_of_a_sheet_have_probes_of_their_own),
       cmocka_unit_test(light_in_free_space_is_that_of_path_tracing),
       cmocka_unit_test(bytes_do_not_depend_on_threads),

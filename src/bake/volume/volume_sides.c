@@ -15,8 +15,10 @@ enum {
   OUTER_FACES = OLX_VOLUME_MOST_SPLITS - DEPTH // around a side
 };
 
-// The outermost places lie this share of a side within the cell: a wall that cuts off less is not seen.
-static const float INSET = 1.0f / 512.0f;
+// The outermost places lie this share of a side within the cell: a wall that cuts off less is not seen. It is half of
+// the lift of places on surfaces (OLX_VOLUME_LIFT) in the smallest cells, those with surfaces, so that a surface either
+// has a cell or is lifted into the next one.
+static const float INSET = 1.0f / 8192.0f;
 // Probes keep this share of a cell's side off surfaces.
 static const float CLEARANCE = 1.0f / 16.0f;
 // Half the diagonal of a cell and the clearance of its corners, in sides.

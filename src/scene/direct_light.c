@@ -207,7 +207,7 @@ static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const
   ++*rays;
   const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
   if (hit.triangle == OLX_NO_HIT) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
-  if (!olx_triangle_may_emit(scene, hit.triangle)) return olx_splat(0.0f);
+  if (!olx_hit_emits(scene, &hit)) return olx_splat(0.0f);
   const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);
   return olx_mul(lobe->weight, olx_emission_found(scene, &found, surface->position, lobe));
 }

@@ -51,9 +51,10 @@ olx_ray olx_surface_ray(const olx_surface *surface, olx_vec3 direction, float t_
 // Returns a ray from the surface to another point, which ends `epsilon_end` before it; its direction is unit.
 olx_ray olx_surface_ray_to(const olx_surface *surface, olx_vec3 point, float epsilon_end);
 
-// Returns whether the triangle's material emits anywhere on it: cheaper than its emission at a point.
-static inline bool olx_triangle_may_emit(const olx_scene *scene, uint32_t triangle) {
-  return olx_max3(scene->materials[scene->material_index[triangle]].emission) > 0.0f;
+// Returns whether the surface at a hit emits on one of its sides, without evaluating the rest of it.
+static inline bool olx_hit_emits(const olx_scene *scene, const olx_ray_hit *hit) {
+  if (!(olx_max3(scene->materials[scene->material_index[hit->triangle]].emission) > 0.0f)) return false;
+  return olx_max3(olx_surface_emission(scene, hit->triangle, hit->u, hit->v)) > 0.0f;
 }
 
 #endif

@@ -29,7 +29,7 @@ olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_
 }
 
 static bool emits_towards(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
-  if (!olx_triangle_may_emit(scene, hit->triangle)) return false;
+  if (!olx_hit_emits(scene, hit)) return false;
   return olx_max3(olx_surface_at(scene, hit, direction).emission) > 0.0f;
 }
 

@@ -363,7 +363,7 @@ static uint32_t end_paths(olx_shade_context *context, olx_shade_scratch *scratch
       next[i].from = i;
       end = &to->surface[i];
     } else {
-      if (!olx_triangle_may_emit(scene, hit->triangle)) continue;
+      if (!olx_hit_emits(scene, hit)) continue;
       met = olx_surface_at(scene, hit, path->direction);
       end = &met;
     }

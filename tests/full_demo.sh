@@ -6,8 +6,7 @@ trap 'rm -rf "$work"' EXIT
 TIMEFORMAT='%U %S'
 
 # path_trace SCENE FILE: the picture that times are compared with. It is made before and after the demo, because a busy
-# machine takes more processor time for the same work. The demo took 24 times as much on a busy machine, 26 times on an
-# overloaded one.
+# machine takes more processor time for the same work. On an overloaded machine the demo took 26 times as much.
 path_trace() {
   { time "$OCTALUX" render "$1" -o "$2" --method path --camera front --size 176x176 --spp 100 --bounces 3 --seed 7 >/dev/null; } \
     2>>"$work/picture.txt"

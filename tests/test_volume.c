@@ -142,7 +142,8 @@ static void rooms_behind_a_thin_wall_have_probes_of_their_own(void **state) {
   }
 }
 
-// Cells are half a metre wide here, and a border of theirs is at y = -1. Floors are rarely exactly where they seem to be.
+// The smallest cells are a metre wide here, and a border of theirs is at y = -1. Floors are rarely exactly where they
+// seem to be.
 static void a_floor_just_behind_a_border_of_cells_is_served(void **state) {
   (void)state;
   static const float millimetres[] = {0.05f, 0.1f, 0.2f, 0.43f, 0.48f, 0.5f, 0.7f, 0.95f, 1.0f, 1.5f, 3.0f};

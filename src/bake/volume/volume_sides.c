@@ -18,7 +18,7 @@ enum {
 // The outermost places lie this share of a side within the cell: a wall that cuts off less is not seen. It is half of
 // the lift of places on surfaces (OLX_VOLUME_LIFT) in the smallest cells, those with surfaces, so that a surface either
 // has a cell or is lifted into the next one.
-static const float INSET = 1.0f / 8192.0f;
+static const float INSET = 0.5f * OLX_VOLUME_LIFT * (float)(1 << OLX_VOLUME_LEVELS);
 // Probes keep this share of a cell's side off surfaces.
 static const float CLEARANCE = 1.0f / 16.0f;
 // Half the diagonal of a cell and the clearance of its corners, in sides.

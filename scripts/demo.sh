@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Bakes a furnished room and two rooms that are hard to light correctly, renders them from their fields and by path
-# tracing, and puts pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes two to three
+# tracing, and puts pictures and numbers on one page that needs no other file: demo.sh PROGRAM FOLDER. Takes three to four
 # minutes of processor time: pictures are small, and the room is baked with more noise than by default.
 set -euo pipefail
 export LC_ALL=C

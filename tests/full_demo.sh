@@ -6,7 +6,8 @@ trap 'rm -rf "$work"' EXIT
 TIMEFORMAT='%U %S'
 
 # path_trace SCENE FILE: the picture that times are compared with. It is made before and after the demo, because a busy
-# machine takes more processor time for the same work. On an overloaded machine the demo took 26 times as much.
+# machine takes more processor time for the same work. The demo took 26 times as much on an overloaded machine, 27 on an
+# idle one.
 path_trace() {
   { time "$OCTALUX" render "$1" -o "$2" --method path --camera front --size 176x176 --spp 100 --bounces 3 --seed 7 >/dev/null; } \
     2>>"$work/picture.txt"

@@ -6,7 +6,7 @@
 
 #include <octalux/base.h>
 
-#include <dirent.h>
+#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,16 +18,12 @@ bool scene_folder_create(scene_folder *folder) {
   return mkdtemp(folder->path) != NULL;
 }
 
-void scene_folder_remove(const scene_folder *folder) {
-  DIR *directory = opendir(folder->path);
-  for (const struct dirent *entry; directory && (entry = readdir(directory));) {
-    char path[600];
-    snprintf(path, sizeof path, "%s/%s", folder->path, entry->d_name);
-    if (entry->d_name[0] != '.') unlink(path);
-  }
-  if (directory) closedir(directory);
-  rmdir(folder->path);
+static int remove_entry(const char *path, const struct stat *about, int kind, struct FTW *where) {
+  (void)about, (void)kind, (void)where;
+  return remove(path);
 }
+
+void scene_folder_remove(const scene_folder *folder) { nftw(folder->path, remove_entry, 16, FTW_DEPTH | FTW_PHYS); }
 
 static void discard_message(void *user, olx_log_level level, const char *message) {
   (void)user, (void)level, (void)message;

@@ -12,7 +12,7 @@ typedef struct scene_folder {
 
 // Create a new folder under TMPDIR.
 bool scene_folder_create(scene_folder *folder);
-// Remove the folder with all files in it.
+// Remove the folder with everything in it.
 void scene_folder_remove(const scene_folder *folder);
 // Returns a set-up function for cmocka: *state becomes a new folder, and messages are discarded.
 int scene_folder_set_up(void **state);

@@ -42,9 +42,11 @@ static int set_up(void **state) {
 static int tear_down(void **state) {
   place *p = *state;
   olx_scene_free(p->scene);
-  rmdir(p->folder);
+  char command[80];
+  snprintf(command, sizeof command, "rm -rf '%s'", p->folder);
+  const int result = system(command);
   free(p);
-  return 0;
+  return result;
 }
 
 typedef struct units_done {

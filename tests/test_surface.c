@@ -273,6 +273,33 @@ static void one_sided_emitters_are_dark_from_behind(void **state) {
   }
 }
 
+// Rays that look for lamps ask olx_hit_emits before they evaluate a surface, so that it must agree with the surface's
+// own emission: a panel whose emission texture is black in half of its texels glows at the others, from either side.
+static void a_hit_glows_where_the_surface_emits_on_either_side(void **state) {
+  (void)state;
+  const uint8_t row[4 * 4] = {0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 255};
+  for (uint32_t glows = 0; glows < 2; glows++) {
+    olx_scene *scene = made_scene();
+    olx_material material = olx_material_default();
+    material.emission = olx_splat(glows ? 2.0f : 0.0f);
+    material.emission_texture = made_texture(scene, 4, 1, row, true);
+    made_quad(scene, olx_splat(0.0f), olx_v3(0.0f, 0.0f, 2.0f), olx_v3(2.0f, 0.0f, 0.0f),
+              made_material(scene, &material));
+    made_finish(scene);
+    uint32_t lit = 0;
+    for (uint32_t i = 0; i < 100; i++) {
+      const float z = -0.99f + 0.02f * (float)i, side = i % 2 ? 1.0f : -1.0f;
+      const olx_ray ray = {olx_v3(0.3f, 5.0f * side, z), olx_v3(0.0f, -side, 0.0f), 0.0f, INFINITY};
+      const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+      const bool emits = olx_max3(from_above(scene, 0.3f, z).emission) > 0.0f;
+      assert_int_equal(olx_hit_emits(scene, &hit), emits);
+      lit += emits;
+    }
+    assert_in_range(lit, glows ? 40 : 0, glows ? 80 : 0);
+    olx_scene_free(scene);
+  }
+}
+
 static void alpha_below_the_cutoff_is_absent(void **state) {
   (void)state;
   const uint8_t base[4] = {255, 255, 255, 204}, mask[4] = {128, 0, 0, 0};
@@ -386,6 +413,7 @@ int main(void) {
       cmocka_unit_test(filtering_keeps_what_srgb_texels_reflect),
       cmocka_unit_test(textures_scale_the_factors_and_albedo_stays_below_one),
       cmocka_unit_test(one_sided_emitters_are_dark_from_behind),
+      cmocka_unit_test(a_hit_glows_where_the_surface_emits_on_either_side),
       cmocka_unit_test(alpha_below_the_cutoff_is_absent),
       cmocka_unit_test(light_takes_the_same_way_at_every_scale),
       cmocka_unit_test(no_light_leaves_a_closed_room_far_from_the_origin),

@@ -148,7 +148,7 @@ class Textures:
 
 
 def presence(nodes, textures, m):
-    """1 where the alpha test finds the surface, 0 where it is absent; None where it is there for certain."""
+    """The share of rays that find the surface, 0 or 1 by its alpha test; None where it is there for certain."""
     if m["alpha_cutoff"] <= 0:
         return None
     alpha = m["alpha"]
@@ -159,6 +159,8 @@ def presence(nodes, textures, m):
         found = textures.look_up(nodes, m["alpha_texture"], "color", textures.color)
         red = nodes.node("ShaderNodeSeparateRGB", {0: found}).outputs[0]
         alpha = nodes.math("MULTIPLY", red, alpha)
+    if m["blended"]:
+        return alpha
     absent = nodes.math("LESS_THAN", alpha, m["alpha_cutoff"])
     return nodes.math("SUBTRACT", 1.0, absent)
 

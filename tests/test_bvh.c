@@ -194,6 +194,46 @@ static void rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers
   olx_scene_free(scene);
 }
 
+// Of a pane that is 30 % opaque, three tenths of all rays of light meet something, the same ones alone and in packets,
+// forwards and backwards. Rays that look for surfaces meet it from one half on, whole.
+static void light_passes_blended_surfaces_by_their_share(void **state) {
+  (void)state;
+  enum { COUNT = 4096 };
+  static olx_ray rays[COUNT];
+  static olx_ray_hit hits[COUNT];
+  static uint8_t occluded[COUNT];
+  for (uint32_t i = 0; i < COUNT; i++) {
+    const olx_vec2 at = olx_stratified2(i, 7);
+    rays[i] = (olx_ray){{1.98f * at.x - 0.99f, 2.0f, 1.98f * at.y - 0.99f}, {0.0f, -1.0f, 0.0f}, 0.0f, 4.0f};
+  }
+  const float alphas[] = {0.0f, 0.3f, 0.6f, 1.0f};
+  for (size_t k = 0; k < sizeof alphas / sizeof *alphas; k++) {
+    olx_scene *scene = made_scene();
+    olx_material pane = olx_material_default();
+    pane.alpha = alphas[k];
+    pane.alpha_cutoff = 0.5f;
+    pane.blended = true;
+    made_square(scene, 1.0f, made_material(scene, &pane));
+    made_finish(scene);
+    olx_bvh_intersect_many(scene->light_bvh, rays, COUNT, false, hits);
+    olx_bvh_occluded_many(scene->light_bvh, rays, COUNT, true, occluded);
+    uint32_t met = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+      const bool hit = hits[i].triangle != OLX_NO_HIT;
+      const olx_ray back = {olx_madd(rays[i].origin, rays[i].direction, 2.0f), {0.0f, 1.0f, 0.0f}, 0.0f, 4.0f};
+      assert_int_equal(occluded[i], hit);
+      assert_int_equal(olx_bvh_occluded(scene->light_bvh, &rays[i]), hit);
+      assert_int_equal(olx_bvh_occluded(scene->light_bvh, &back), hit);
+      assert_int_equal(olx_bvh_occluded(scene->bvh, &rays[i]), alphas[k] >= 0.5f);
+      met += hit;
+    }
+    // Four standard deviations of independent rays.
+    const float share = (float)met / COUNT, spread = 4.0f * sqrtf(alphas[k] * (1.0f - alphas[k]) / COUNT);
+    assert_true(fabsf(share - alphas[k]) <= spread);
+    olx_scene_free(scene);
+  }
+}
+
 // Rays aimed exactly at edges and corners of a closed mesh hit it.
 static void no_ray_slips_between_triangles(void **state) {
   (void)state;
@@ -267,6 +307,7 @@ int main(void) {
       cmocka_unit_test(packets_answer_as_single_rays),
       cmocka_unit_test(rays_end_at_t_max_and_begin_at_t_min),
       cmocka_unit_test(rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers),
+      cmocka_unit_test(light_passes_blended_surfaces_by_their_share),
       cmocka_unit_test(no_ray_slips_between_triangles),
       cmocka_unit_test(scenes_do_not_know_of_each_other),
       cmocka_unit_test(floating_point_modes_stay_as_they_are),

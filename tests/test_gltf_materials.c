@@ -208,6 +208,60 @@ static void specular_textures_join_that_of_roughness(void **state) {
   olx_scene_free(scene);
 }
 
+// ---- partial opacity
+
+// Returns a square whose material "pane" has these members.
+static olx_scene *load_pane(const scene_folder *folder, const char *members) {
+  gltf_maker m = {0};
+  char more[1024];
+  add_square(&m);
+  snprintf(more, sizeof more,
+           ", \"materials\": [{\"name\": \"pane\", %s}], \"textures\": [{\"source\": 0}], \"images\": "
+           "[{\"uri\": \"" FOUR_COLORS "\"}]",
+           members);
+  return load_model(write_square_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
+}
+
+// Alpha of BLEND, and what KHR_materials_transmission lets through, tinted by the base colour; in the model, cooked and
+// exported.
+static void light_passes_by_alpha_and_transmission(void **state) {
+  const struct {
+    const char *members;
+    float alpha;
+  } cases[] = {{"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.3]}", 0.3f},
+               {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.75}}", 0.25f},
+               {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.2, 0.5, 0.5, 1]}, \"extensions\": "
+                "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}}",
+                0.6f},
+               {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.5]}, "
+                "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}",
+                0.25f}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    olx_scene *scene = load_pane(*state, cases[i].members);
+    char cooked[600], exported[600];
+    snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
+    snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
+    assert_model_warned(scene, "1 material has partial opacity");
+    assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
+    assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
+    for (uint32_t form = 0; form < 3; form++) {
+      assert_true(scene->materials[0].blended);
+      assert_near_number(scene->materials[0].alpha, cases[i].alpha, 1e-6f);
+      assert_near_number(scene->materials[0].alpha_cutoff, 0.5f, 0.0f);
+      olx_scene_free(scene);
+      scene = form < 2 ? load_model(form == 0 ? cooked : exported) : NULL;
+    }
+  }
+}
+
+static void textures_of_transmission_are_left_out(void **state) {
+  olx_scene *scene = load_pane(*state, "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1, "
+                                       "\"transmissionTexture\": {\"index\": 0}}}");
+  assert_false(scene->materials[0].blended);
+  assert_model_warned(scene, "1 material has a texture of transmission");
+  olx_scene_free(scene);
+}
+
 static void descriptions_replace_specular_textures(void **state) {
   olx_scene_free(load_specular(*state, ROUGH ", \"metallicRoughnessTexture\": {\"index\": 0}",
                                "\"specularTexture\": {\"index\": 0}"));
@@ -379,6 +433,8 @@ int main(void) {
       WITH_FOLDER(specular_colours_count_by_their_luminance),
       WITH_FOLDER(specular_textures_are_weights_texel_by_texel),
       WITH_FOLDER(specular_textures_join_that_of_roughness),
+      WITH_FOLDER(light_passes_by_alpha_and_transmission),
+      WITH_FOLDER(textures_of_transmission_are_left_out),
       WITH_FOLDER(descriptions_replace_specular_textures),
       WITH_FOLDER(specular_textures_that_lie_elsewhere_are_left_out),
       WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),

@@ -679,6 +679,66 @@ static void lines_of_sunlight_are_neither_lost_nor_doubled(void **state) {
   assert_true(fabs(sum.taken / sum.wanted - 1.0) < 0.03);
 }
 
+// A room whose ceiling is a black pane of this opacity.
+static olx_scene *room_below_a_pane(float alpha) {
+  uint32_t paint;
+  olx_scene *scene = room_in_the_sun(olx_v3(0.1f, -1, 0.2f), &paint);
+  olx_material pane = olx_material_default();
+  pane.base_color = olx_splat(0.0f);
+  pane.specular_weight = 0.0f;
+  pane.alpha = alpha;
+  pane.alpha_cutoff = 0.5f;
+  pane.blended = true;
+  made_quad(scene, olx_v3(0, 1, 0), olx_v3(0, 0, 2), olx_v3(2, 0, 0), made_material(scene, &pane));
+  return made_finish(scene);
+}
+
+typedef struct room_light {
+  double solved, traced, direct;
+} room_light;
+
+static room_light light_below_a_pane(float alpha) {
+  enum { ROOM_POINTS = 64, PATHS = 256, FLOOR_POINTS = 4096 };
+  room_light sum = {0};
+  olx_scene *scene = room_below_a_pane(alpha);
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  uint64_t rays = 0;
+  for (uint32_t i = 0; i < ROOM_POINTS; i++) {
+    const olx_vec2 uv = olx_hammersley(i, ROOM_POINTS);
+    const olx_ray ray = {olx_v3(0, 1.8f * (uv.x - 0.5f), 1.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    sum.solved += (double)olx_luminance(olx_scene_light_irradiance(light, &wall));
+    sum.traced += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
+  }
+  for (uint32_t i = 0; i < FLOOR_POINTS; i++) {
+    const olx_vec2 uv = olx_hammersley(i, FLOOR_POINTS);
+    const olx_ray ray = {olx_v3(uv.x - 0.5f, 0, uv.y - 0.5f), olx_v3(0, -1, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface floor = olx_surface_at(scene, &hit, ray.direction);
+    sum.direct += (double)olx_luminance(olx_direct_irradiance_of_suns(scene, &floor, &rays));
+  }
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+  return sum;
+}
+
+// A black pane takes its opacity from the light that comes in, and keeps in none of what goes out: the room has
+// 1 - alpha of what it has without the pane, direct and indirect.
+static void a_pane_takes_its_opacity_from_the_light(void **state) {
+  (void)state;
+  const room_light open = light_below_a_pane(0.0f);
+  for (float alpha = 0.3f; alpha < 1.0f; alpha += 0.4f) {
+    const room_light glazed = light_below_a_pane(alpha);
+    const double passes = 1.0 - (double)alpha;
+    print_message("opacity %.1f: %.3f direct, %.3f solved, %.3f traced\n", (double)alpha, glazed.direct / open.direct,
+                  glazed.solved / open.solved, glazed.traced / open.traced);
+    assert_true(fabs(glazed.direct / open.direct / passes - 1.0) < 0.05);
+    assert_true(fabs(glazed.solved / open.solved / passes - 1.0) < 0.05);
+    assert_true(fabs(glazed.traced / open.traced / passes - 1.0) < 0.05);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -696,6 +756,7 @@ int main(void) {
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part),
       cmocka_unit_test(lines_of_sunlight_are_neither_lost_nor_doubled),
+      cmocka_unit_test(a_pane_takes_its_opacity_from_the_light),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -91,6 +91,7 @@ static void put_material(FILE *file, const olx_material *m) {
   put_texture(file, "metallic_roughness_texture", m->metallic_roughness_texture);
   put_texture(file, "emission_texture", m->emission_texture);
   put_texture(file, "normal_texture", m->normal_texture);
+  put_bool(file, "blended", m->blended);
   put_bool(file, "emits_both_sides", m->emits_both_sides);
   put_bool(file, "normal_is_height", m->normal_is_height);
   put_bool(file, "rectangle_light", m->rectangle_light);

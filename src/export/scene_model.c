@@ -171,7 +171,9 @@ static void add_material(scene_model *m, cJSON *list, const olx_material *materi
   }
   add_emission(object, extensions, material);
   cJSON_AddBoolToObject(object, "doubleSided", true); // every triangle is visible from both sides
-  if (material->alpha_cutoff > 0.0f) {
+  if (material->blended) {
+    cJSON_AddStringToObject(object, "alphaMode", "BLEND");
+  } else if (material->alpha_cutoff > 0.0f) {
     cJSON_AddStringToObject(object, "alphaMode", "MASK");
     cJSON_AddNumberToObject(object, "alphaCutoff", material->alpha_cutoff);
   }

@@ -29,7 +29,7 @@ static olx_path_light gather(olx_path *p, olx_ray ray, olx_vec3 origin, olx_lobe
   for (uint32_t depth = 1;; depth++) {
     p->rays++;
     olx_vec3 *light = depth == 1 ? &sum.direct : &sum.indirect;
-    const olx_ray_hit hit = olx_bvh_intersect(p->scene->bvh, &ray);
+    const olx_ray_hit hit = olx_bvh_intersect(p->scene->light_bvh, &ray);
     if (hit.triangle == OLX_NO_HIT) {
       *light = olx_add(*light, olx_mul(throughput, olx_sky_found(p->scene, &lobe)));
       return sum;

@@ -70,7 +70,7 @@ static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *firs
     const olx_ray ray = olx_surface_ray(&surface, lobe.direction, INFINITY);
     origin = surface.position;
     ++*s->rays;
-    hit = olx_bvh_intersect(s->scene->bvh, &ray);
+    hit = olx_bvh_intersect(s->scene->light_bvh, &ray);
   }
   return sum;
 }

@@ -105,5 +105,5 @@ olx_vec3 olx_fixtures_light(const olx_render_context *context, const olx_shading
   const olx_vec3 light = olx_scale(olx_mul(p->intensity, reflected), cosine * p->density / (probability * of_both));
   if (!(olx_max3(light) > 0.0f) || !olx_finite(light)) return dark;
   ++*rays;
-  return olx_bvh_occluded(context->scene->bvh, &ray) ? dark : light;
+  return olx_bvh_occluded(context->scene->light_bvh, &ray) ? dark : light;
 }

@@ -121,7 +121,7 @@ void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint
     cast[i] = (olx_ray){.origin = camera->eye, .direction = rays->directions[i], .t_max = INFINITY};
   }
   const olx_scene *scene = context->scene;
-  olx_bvh_intersect_many(scene->bvh, cast, rays->count, true, rays->hits);
+  olx_bvh_intersect_many(scene->light_bvh, cast, rays->count, true, rays->hits);
   for (uint32_t i = 0; i < rays->count; i++) {
     samples[i] = (olx_camera_sample){.depth = INFINITY};
     if (rays->hits[i].triangle != OLX_NO_HIT) {

@@ -14,7 +14,7 @@
 #define OLX_PACKET 16
 
 typedef struct olx_bvh_tree {
-  olx_bvh handle; // of this tree
+  olx_bvh handle, light_handle; // of this tree
   const olx_scene *scene;
   RTCDevice device;
   RTCScene accelerator;
@@ -39,16 +39,26 @@ static bool is_masked(const olx_scene *scene, uint32_t triangle) {
   return scene->materials[scene->material_index[triangle]].alpha_cutoff > 0.0f;
 }
 
+// What Embree hands from a query to the filter.
+typedef struct query_context {
+  struct RTCIntersectContext embree; // the first member: Embree knows this one alone
+  bool follows_light;
+} query_context;
+
 // Embree's filter, by which rays pass through masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u,
 // v, primID, in that order.
 static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
   const olx_bvh_tree *bvh = arguments->geometryUserPtr;
+  const bool follows_light = ((const query_context *)arguments->context)->follows_light;
   const size_t n = arguments->N;
   const float *u = (const float *)arguments->hit + 3 * n, *v = u + n;
   const unsigned int *primitive = (const unsigned int *)arguments->hit + 5 * n;
   for (size_t i = 0; i < n; i++) {
     if (arguments->valid[i] == 0) continue;
-    if (!olx_surface_present(bvh->scene, scene_triangle(bvh, 1, primitive[i]), u[i], v[i])) arguments->valid[i] = 0;
+    const uint32_t triangle = scene_triangle(bvh, 1, primitive[i]);
+    const bool met = follows_light ? olx_surface_stops_light(bvh->scene, triangle, u[i], v[i])
+                                   : olx_surface_present(bvh->scene, triangle, u[i], v[i]);
+    if (!met) arguments->valid[i] = 0;
   }
 }
 
@@ -171,35 +181,37 @@ static olx_result build(olx_bvh_tree *bvh) {
                   "ray caster: Embree could not build over %u triangles (%s)", scene->triangle_count, bvh->message);
 }
 
-olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **result_bvh) {
-  *result_bvh = NULL;
+olx_result olx_bvh_create(olx_scene *scene) {
   olx_bvh_tree *tree = olx_allocate_zero(1, sizeof *tree);
   if (!tree) return olx_fail(OLX_ERROR_MEMORY, "ray caster: no memory");
   tree->scene = scene;
-  tree->handle.tree = tree;
+  tree->handle = (olx_bvh){.tree = tree};
+  tree->light_handle = (olx_bvh){.tree = tree, .follows_light = true};
+  scene->bvh = &tree->handle;
+  scene->light_bvh = &tree->light_handle;
   olx_result result;
   OLX_TRY_GOTO(split_by_mask(tree), failed);
   OLX_TRY_GOTO(build(tree), failed);
-  *result_bvh = &tree->handle;
   return OLX_OK;
 failed:
-  olx_bvh_free(&tree->handle);
+  olx_bvh_free(scene);
   return result;
 }
 
-void olx_bvh_free(olx_bvh *bvh) {
-  if (!bvh) return;
-  olx_bvh_tree *tree = bvh->tree;
+void olx_bvh_free(olx_scene *scene) {
+  if (!scene->bvh) return;
+  olx_bvh_tree *tree = scene->bvh->tree;
   if (tree->accelerator) rtcReleaseScene(tree->accelerator);
   if (tree->device) rtcReleaseDevice(tree->device);
   olx_release(tree->triangle_of);
   olx_release(tree);
+  scene->bvh = scene->light_bvh = NULL;
 }
 
-static struct RTCIntersectContext make_context(bool coherent) {
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+static query_context make_context(const olx_bvh *bvh, bool coherent) {
+  query_context context = {.follows_light = bvh->follows_light};
+  rtcInitIntersectContext(&context.embree);
+  context.embree.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   return context;
 }
 
@@ -219,9 +231,9 @@ static struct RTCRay single_ray(const olx_ray *ray) {
 
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray) {
   if (!(ray->t_max >= ray->t_min)) return (olx_ray_hit){.triangle = OLX_NO_HIT};
-  struct RTCIntersectContext context = make_context(false);
+  query_context context = make_context(bvh, false);
   struct RTCRayHit query = {.ray = single_ray(ray), .hit.geomID = RTC_INVALID_GEOMETRY_ID};
-  rtcIntersect1(bvh->tree->accelerator, &context, &query);
+  rtcIntersect1(bvh->tree->accelerator, &context.embree, &query);
   // Without a hit tfar is still t_max.
   if (bvh->log) olx_ray_log_add(bvh->log, ray->origin, ray->direction, query.ray.tfar);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return (olx_ray_hit){.triangle = OLX_NO_HIT};
@@ -233,9 +245,9 @@ olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray) {
 
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) {
   if (!(ray->t_max >= ray->t_min)) return true;
-  struct RTCIntersectContext context = make_context(false);
+  query_context context = make_context(bvh, false);
   struct RTCRay query = single_ray(ray);
-  rtcOccluded1(bvh->tree->accelerator, &context, &query);
+  rtcOccluded1(bvh->tree->accelerator, &context.embree, &query);
   if (bvh->log) olx_ray_log_add(bvh->log, ray->origin, ray->direction, ray->t_max);
   return query.tfar < 0.0f;
 }
@@ -314,7 +326,7 @@ static const olx_ray *fill_up(const olx_ray *rays, uint32_t count, olx_ray padde
 }
 
 void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, olx_ray_hit *hits) {
-  struct RTCIntersectContext context = make_context(coherent);
+  query_context context = make_context(bvh, coherent);
   struct RTCRayHit16 packet;
   _Alignas(64) int valid[OLX_PACKET];
   olx_ray padded[OLX_PACKET];
@@ -323,7 +335,7 @@ void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t co
     const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
     pack_rays(fill_up(rays + start, here, padded), &packet.ray, valid);
     for (uint32_t i = 0; i < OLX_PACKET; i++) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect16(valid, bvh->tree->accelerator, &context, &packet);
+    rtcIntersect16(valid, bvh->tree->accelerator, &context.embree, &packet);
     for (uint32_t i = 0; i < here; i++) {
       const uint32_t geometry = packet.hit.geomID[i];
       hits[start + i] = geometry == RTC_INVALID_GEOMETRY_ID
@@ -337,7 +349,7 @@ void olx_bvh_intersect_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t co
 }
 
 void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t count, bool coherent, uint8_t *occluded) {
-  struct RTCIntersectContext context = make_context(coherent);
+  query_context context = make_context(bvh, coherent);
   struct RTCRay16 packet;
   _Alignas(64) int valid[OLX_PACKET];
   olx_ray padded[OLX_PACKET];
@@ -345,7 +357,7 @@ void olx_bvh_occluded_many(const olx_bvh *bvh, const olx_ray *rays, uint32_t cou
   for (uint32_t start = 0; start < count; start += OLX_PACKET) {
     const uint32_t here = count - start < OLX_PACKET ? count - start : OLX_PACKET;
     pack_rays(fill_up(rays + start, here, padded), &packet, valid);
-    rtcOccluded16(valid, bvh->tree->accelerator, &context, &packet);
+    rtcOccluded16(valid, bvh->tree->accelerator, &context.embree, &packet);
     // Embree sets tfar of an occluded ray to minus infinity.
     for (uint32_t i = 0; i < here; i++) occluded[start + i] = valid[i] == 0 || packet.tfar[i] < packet.tnear[i];
   }

@@ -1,4 +1,6 @@
-// Casts rays against the scene's triangles (Embree). Rays pass through masked-out parts of alpha-masked surfaces.
+// Casts rays against the scene's triangles (Embree). Rays pass through masked-out parts of alpha-masked surfaces. A
+// scene has two handles of one structure: rays of `bvh` find what probes see and places can be in, those of `light_bvh`
+// follow light, which blended surfaces let through in part (olx_surface_stops_light).
 #ifndef OLX_SCENE_BVH_H
 #define OLX_SCENE_BVH_H
 
@@ -11,6 +13,7 @@ struct olx_bvh {
   // Packets and distances are not recorded. NULL: nothing is. A copy of the handle with a log of its own records the
   // rays of one user while others use the original; it is not to be freed.
   olx_ray_log *log;
+  bool follows_light; // of light_bvh
 };
 
 // The Embree version and instruction set in use: results differ between them.
@@ -21,9 +24,11 @@ typedef struct olx_bvh_engine {
 
 olx_bvh_engine olx_bvh_describe(const olx_bvh *bvh);
 
-// Builds with the instructions that scene->load names. Returns OLX_ERROR_UNSUPPORTED where the processor lacks them.
-olx_result olx_bvh_create(const olx_scene *scene, olx_bvh **bvh);
-void olx_bvh_free(olx_bvh *bvh);
+// Builds scene->bvh and scene->light_bvh with the instructions that scene->load names. Returns OLX_ERROR_UNSUPPORTED
+// where the processor lacks them.
+olx_result olx_bvh_create(olx_scene *scene);
+// Frees both.
+void olx_bvh_free(olx_scene *scene);
 
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);

@@ -75,7 +75,7 @@ static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_lig
 static bool visible(const olx_scene *scene, const olx_surface *surface, const olx_light_sample *sample) {
   const olx_ray ray = sample->infinite ? olx_surface_ray(surface, sample->direction, INFINITY)
                                        : olx_surface_ray_to(surface, sample->target, sample->epsilon_end);
-  return !olx_bvh_occluded(scene->bvh, &ray);
+  return !olx_bvh_occluded(scene->light_bvh, &ray);
 }
 
 static bool is_dark(const olx_shading *s, const olx_light_sample *sample) {
@@ -205,7 +205,7 @@ static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const
   if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
   const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);
   ++*rays;
-  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  const olx_ray_hit hit = olx_bvh_intersect(scene->light_bvh, &ray);
   if (hit.triangle == OLX_NO_HIT) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
   if (!olx_hit_emits(scene, &hit)) return olx_splat(0.0f);
   const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);

@@ -313,7 +313,7 @@ static bool sample_triangle(const olx_scene *scene, olx_vec3 position, olx_vec2 
   const float cosine = -olx_dot(direction, normal);
   const bool both_sides = scene->materials[scene->material_index[triangle]].emits_both_sides;
   if (cosine == 0.0f || (cosine < 0.0f && !both_sides)) return false;
-  if (!olx_surface_present(scene, triangle, uv.x, uv.y)) return false;
+  if (!olx_surface_stops_light(scene, triangle, uv.x, uv.y)) return false;
   const olx_vec3 radiance = olx_surface_emission(scene, triangle, uv.x, uv.y);
   const float area = 0.5f * olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   const float pdf = angle > 0.0f ? probability / angle : probability / area * olx_square(distance) / fabsf(cosine);

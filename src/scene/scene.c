@@ -12,7 +12,7 @@
 
 olx_result olx_scene_finish(olx_scene *scene) {
   OLX_TRY(olx_scene_summarize(scene));
-  OLX_TRY(olx_bvh_create(scene, &scene->bvh));
+  OLX_TRY(olx_bvh_create(scene));
   return olx_emitters_create(scene, &scene->emitters);
 }
 
@@ -57,7 +57,7 @@ olx_result olx_scene_load_cooked(const char *path, olx_scene **scene) {
 
 void olx_scene_free(olx_scene *scene) {
   if (!scene) return;
-  olx_bvh_free(scene->bvh);
+  olx_bvh_free(scene);
   olx_emitters_free(scene->emitters);
   olx_scene_release_arrays(scene);
   olx_release(scene);

@@ -56,12 +56,12 @@ struct olx_scene {
   uint64_t hash;
   char **warnings;
   uint32_t warning_count;
-  uint32_t skipping_meshes;      // of the model being read: meshes with skipped triangles
-  uint64_t unreported_triangles; // skipped ones of those meshes that no warning names
+  uint32_t skipping_meshes;         // of the model being read: meshes with skipped triangles
+  uint64_t unreported_triangles;    // skipped ones of those meshes that no warning names
   struct olx_scene_source *sources; // sources.h
   uint32_t source_count;
-  olx_bvh *bvh;           // bvh.h
-  olx_emitters *emitters; // emitters.h
+  olx_bvh *bvh, *light_bvh; // bvh.h
+  olx_emitters *emitters;   // emitters.h
 };
 
 // Records a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind, importers count

@@ -20,7 +20,8 @@ static void hash_material(XXH3_state_t *state, const olx_material *m) {
                             m->emission_texture,
                             m->normal_texture,
                             (m->emits_both_sides ? 1u : 0u) | (m->normal_is_height ? 2u : 0u) |
-                                (m->vertex_colors ? 4u : 0u) | (m->specular_in_alpha ? 8u : 0u) | m->second_uvs << 8};
+                                (m->vertex_colors ? 4u : 0u) | (m->specular_in_alpha ? 8u : 0u) |
+                                (m->blended ? 16u : 0u) | m->second_uvs << 8};
   XXH3_64bits_update(state, numbers, sizeof numbers);
   XXH3_64bits_update(state, words, sizeof words);
 }
@@ -84,7 +85,7 @@ static bool is_masked(const olx_scene *scene, uint32_t triangle) {
 // Hashes what decides where the triangles of a masked material are present.
 static void hash_mask(XXH3_state_t *state, const olx_scene *scene, const olx_material *m) {
   const float numbers[] = {m->alpha, m->alpha_cutoff};
-  const uint32_t words[] = {m->base_color_texture, m->alpha_texture, m->second_uvs};
+  const uint32_t words[] = {m->base_color_texture, m->alpha_texture, m->second_uvs | (m->blended ? 1u << 8 : 0u)};
   XXH3_64bits_update(state, numbers, sizeof numbers);
   XXH3_64bits_update(state, words, sizeof words);
   if (m->base_color_texture != OLX_NO_TEXTURE) hash_texture(state, &scene->textures[m->base_color_texture]);

@@ -49,6 +49,6 @@ void olx_scene_occlusion(void *user, const olx_shadow_ray *rays, uint32_t count,
       const olx_shadow_ray *ray = &rays[first + i];
       cast[i] = (olx_ray){ray->origin, ray->direction, 0.0f, ray->length_metres};
     }
-    olx_bvh_occluded_many(scene->bvh, cast, size, true, occluded + first);
+    olx_bvh_occluded_many(scene->light_bvh, cast, size, true, occluded + first);
   }
 }

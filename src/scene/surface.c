@@ -2,7 +2,10 @@
 // not hit the same surface again.
 #include "scene/surface.h"
 
+#include "core/sampling.h"
 #include "scene/texture.h"
+
+#include <string.h>
 
 // Upper bound on albedo, so that light converges.
 #define OLX_MAX_ALBEDO 0.95f
@@ -84,11 +87,9 @@ float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle) {
 
 static bool has_texture(uint32_t texture) { return texture != OLX_NO_TEXTURE; }
 
-bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v) {
-  const olx_material *material = &scene->materials[scene->material_index[triangle]];
-  if (material->alpha_cutoff <= 0.0f) return true;
-  const olx_corners corners = corners_of(scene, triangle);
-  const olx_place_uvs uvs = uvs_at(scene, material, &corners, u, v);
+static float alpha_at(const olx_scene *scene, const olx_material *material, const olx_corners *corners, float u,
+                      float v) {
+  const olx_place_uvs uvs = uvs_at(scene, material, corners, u, v);
   float alpha = material->alpha;
   if (has_texture(material->base_color_texture)) {
     const olx_texture *texture = &scene->textures[material->base_color_texture];
@@ -97,8 +98,36 @@ bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, flo
   if (has_texture(material->alpha_texture)) {
     alpha *= look_up(scene, material, material->alpha_texture, OLX_SLOT_ALPHA, uvs).color.x;
   }
-  if (scene->colors) alpha *= interpolate_four(scene->colors, &corners, u, v).w;
-  return alpha >= material->alpha_cutoff;
+  if (scene->colors) alpha *= interpolate_four(scene->colors, corners, u, v).w;
+  return alpha;
+}
+
+bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
+  if (material->alpha_cutoff <= 0.0f) return true;
+  const olx_corners corners = corners_of(scene, triangle);
+  return alpha_at(scene, material, &corners, u, v) >= material->alpha_cutoff;
+}
+
+static uint32_t bits_of(float x) {
+  uint32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+// Returns a number from 0 to 1 for one of 2^16 by 2^16 parts of a triangle. It depends on the triangle's place, not on
+// its index, so that it stays when other triangles are added.
+static float random_at(const olx_corners *c, float u, float v) {
+  const uint32_t column = (uint32_t)(u * 0x1p16f), row = (uint32_t)(v * 0x1p16f);
+  const uint32_t place = olx_hash3(bits_of(c->p0.x), bits_of(c->p1.y), bits_of(c->p2.z));
+  return olx_unit_float(olx_hash3(place, column, row));
+}
+
+bool olx_surface_stops_light(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
+  if (!material->blended) return olx_surface_present(scene, triangle, u, v);
+  const olx_corners corners = corners_of(scene, triangle);
+  return random_at(&corners, u, v) < alpha_at(scene, material, &corners, u, v);
 }
 
 static olx_vec3 emission_at_uvs(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs) {

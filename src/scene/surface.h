@@ -37,6 +37,9 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
 
 // Returns whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
+// Returns whether the surface is there for rays of light: of a blended material a share alpha of all points is, chosen
+// by a hash of the point, so that a surface is a screen of fine holes, the same for all rays.
+bool olx_surface_stops_light(const olx_scene *scene, uint32_t triangle, float u, float v);
 
 // Returns the radiance that leaves the triangle on an emitting side.
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v);

@@ -183,7 +183,7 @@ static void collect_light(const olx_shade_context *context, olx_shade_scratch *s
 // Casts the collected shadow rays, and returns how many met nothing.
 static uint32_t cast_light(olx_shade_context *context, olx_shade_scratch *scratch, const light_rays *rays) {
   uint32_t lit = 0;
-  olx_bvh_occluded_many(context->scene->bvh, scratch->rays, rays->count, !rays->varies, scratch->occluded);
+  olx_bvh_occluded_many(context->scene->light_bvh, scratch->rays, rays->count, !rays->varies, scratch->occluded);
   atomic_fetch_add_explicit(&context->rays, rays->count, memory_order_relaxed);
   for (uint32_t k = 0; k < rays->count; k++) lit += !scratch->occluded[k];
   return lit;
@@ -391,7 +391,7 @@ void olx_shade_reflections(olx_shade_context *context, olx_shade_scratch *scratc
         continue;
       paths[alive++] = paths[k];
     }
-    olx_bvh_intersect_many(context->scene->bvh, scratch->rays, alive, false, scratch->hits);
+    olx_bvh_intersect_many(context->scene->light_bvh, scratch->rays, alive, false, scratch->hits);
     atomic_fetch_add_explicit(&context->rays, alive, memory_order_relaxed);
     count = end_paths(context, scratch, from, paths, alive, lights, surfaces, to, next);
     if (!surfaces) return;

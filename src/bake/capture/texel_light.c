@@ -66,7 +66,7 @@ static float reach_of(const texel_light *t, const olx_surface *surface) {
     const olx_vec3 local = olx_sample_cosine(olx_hammersley(i, ROOM_RAYS));
     rays[i] = (olx_ray){origin, olx_from_basis(local, surface->geometric_normal), 0.0f, INFINITY};
   }
-  olx_bvh_intersect_many(t->capture->context->scene->bvh, rays, ROOM_RAYS, true, hits);
+  olx_bvh_intersect_many(t->capture->context->scene->light_bvh, rays, ROOM_RAYS, true, hits);
   for (uint32_t i = 0; i < ROOM_RAYS; i++) {
     if (hits[i].triangle != OLX_NO_HIT) inverse += 1.0f / olx_max(hits[i].t, surface->epsilon);
   }

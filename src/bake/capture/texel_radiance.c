@@ -22,7 +22,7 @@ static olx_vec3 arriving(const olx_lobe_source *source, const olx_surface *surfa
                          olx_sampler *sampler, uint64_t *rays) {
   const olx_scene *scene = source->scene;
   const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);
-  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  const olx_ray_hit hit = olx_bvh_intersect(scene->light_bvh, &ray);
   ++*rays;
   if (hit.triangle == OLX_NO_HIT) return olx_sky_found(scene, lobe);
   const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);

@@ -45,7 +45,7 @@ static void cast_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uin
     scratch->directions[i] = olx_normalize(olx_cube_direction(&face, u, v));
     scratch->rays[i] = (olx_ray){b->position, scratch->directions[i], 0.0f, INFINITY};
   }
-  olx_bvh_intersect_many(b->shade->scene->bvh, scratch->rays, OLX_BATCH_POINTS, true, scratch->hits);
+  olx_bvh_intersect_many(b->shade->scene->light_bvh, scratch->rays, OLX_BATCH_POINTS, true, scratch->hits);
   atomic_fetch_add_explicit(&b->shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
 }
 

@@ -33,7 +33,7 @@ static void cast_tile(const olx_gather *gather, olx_shade_scratch *scratch, uint
     scratch->weights[i] = q->sample_solid_angle[p.y * q->sample_size + p.x];
     scratch->rays[i] = (olx_ray){origin, scratch->directions[i], 0.0f, INFINITY};
   }
-  olx_bvh_intersect_many(gather->shade->scene->bvh, scratch->rays, OLX_BATCH_POINTS, true, scratch->hits);
+  olx_bvh_intersect_many(gather->shade->scene->light_bvh, scratch->rays, OLX_BATCH_POINTS, true, scratch->hits);
   atomic_fetch_add_explicit(&gather->shade->rays, OLX_BATCH_POINTS, memory_order_relaxed);
 }
 

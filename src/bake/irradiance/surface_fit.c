@@ -72,7 +72,7 @@ static bool draw_point(const olx_surface_fit *fit, uint32_t index, olx_surface *
     first = olx_surface_at(in->shade->scene, seen, view);
   }
   const olx_ray ray = scattered_ray(&first, i, olx_hash2(olx_shade_key(in->shade, probe), SALT_POINT));
-  const olx_ray_hit hit = olx_bvh_intersect(in->shade->scene->bvh, &ray);
+  const olx_ray_hit hit = olx_bvh_intersect(in->shade->scene->light_bvh, &ray);
   if (hit.triangle == OLX_NO_HIT) return false;
   *surface = olx_surface_at(in->shade->scene, &hit, ray.direction);
   return olx_max3(surface->emission) <= 0.0f && olx_max3(surface->bsdf.albedo) > 0.0f;
@@ -141,7 +141,7 @@ static void cast_job(void *user, uint32_t job) {
       continue;
     }
     for (uint32_t j = 0; j < RAYS_PER_POINT; j++) scratch->rays[j] = scattered_ray(&surface, j, ray_seed(fit, index));
-    olx_bvh_intersect_many(fit->input.shade->scene->bvh, scratch->rays, RAYS_PER_POINT, false,
+    olx_bvh_intersect_many(fit->input.shade->scene->light_bvh, scratch->rays, RAYS_PER_POINT, false,
                            fit->hits + (size_t)index * RAYS_PER_POINT);
     cast += RAYS_PER_POINT;
     append_hits(fit, index, scratch);

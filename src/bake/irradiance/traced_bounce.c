@@ -144,7 +144,7 @@ static void link_rays(olx_traced_bounce *t, olx_shade_scratch *scratch, uint32_t
     scratch->owner[count] = scratch->slot[k];
     scratch->rays[count++] = olx_surface_ray(s, direction, INFINITY);
   }
-  olx_bvh_intersect_many(scene->bvh, scratch->rays, count, false, scratch->hits);
+  olx_bvh_intersect_many(scene->light_bvh, scratch->rays, count, false, scratch->hits);
   atomic_fetch_add_explicit(&t->shade->rays, count, memory_order_relaxed);
   for (uint32_t i = 0; i < count; i++) {
     const olx_ray_hit *hit = &scratch->hits[i];

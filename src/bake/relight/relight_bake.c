@@ -97,7 +97,7 @@ static uint32_t link_volume_probe(const link_job *j, olx_link_list *list, uint32
       const olx_vec3 direction = olx_sample_sphere(olx_stratified2(first + i, olx_hash3(b->seed, probe, SALT_VOLUME)));
       rays[i] = (olx_ray){j->positions[probe], olx_normalize(direction), 0.0f, INFINITY};
     }
-    olx_bvh_intersect_many(b->context->scene->bvh, rays, PACKET, false, hits);
+    olx_bvh_intersect_many(b->context->scene->light_bvh, rays, PACKET, false, hits);
     for (uint32_t i = 0; i < PACKET; i++) add_end(b, list, &rays[i], &hits[i]);
   }
   return olx_link_list_take(list, OLX_RELIGHT_MOST_LINKS, draw_of(probe), links);

@@ -64,7 +64,7 @@ static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
       const olx_vec3 direction = olx_sample_sphere(olx_stratified2(first + i, direction_seed));
       rays[i] = (olx_ray){position, olx_normalize(direction), 0.0f, INFINITY};
     }
-    olx_bvh_intersect_many(v->scene->bvh, rays, count, false, hits);
+    olx_bvh_intersect_many(v->scene->light_bvh, rays, count, false, hits);
     *cast += count;
     for (uint32_t i = 0; i < count; i++) {
       olx_sampler sampler = {.seed = light_seed, .index = first + i};

@@ -12,8 +12,11 @@ void olx_ray_caster_watch(olx_ray_caster *c, olx_watched_surfels *w) {
   const olx_light_surfels *surfels = c->surfels;
   w->scene = *surfels->scene;
   w->log = (olx_ray_log){.bricks = olx_space_bricks_make(w->scene.bounds_min, w->scene.bounds_max)};
-  w->bvh = (olx_bvh){.tree = w->scene.bvh->tree, .log = &w->log};
+  w->bvh = *w->scene.bvh;
+  w->light_bvh = *w->scene.light_bvh;
+  w->bvh.log = w->light_bvh.log = &w->log;
   w->scene.bvh = &w->bvh;
+  w->scene.light_bvh = &w->light_bvh;
   w->surfels = *surfels;
   w->surfels.scene = &w->scene;
   c->surfels = &w->surfels;
@@ -77,7 +80,7 @@ static void cast_on(const olx_ray_caster *c, way *w, const olx_surface *surface,
   w->origin = surface->position;
   w->chain++;
   ++*rays;
-  w->hit = olx_bvh_intersect(c->surfels->scene->bvh, &ray);
+  w->hit = olx_bvh_intersect(c->surfels->scene->light_bvh, &ray);
 }
 
 // Takes a sample of the light that surfaces near lamps send to the start of a ray.
@@ -239,7 +242,7 @@ void olx_ray_ends_cast(const olx_ray_caster *c, const olx_surface *surface, cons
     rays[cast] = make_ray(surface, &draws[i]);
     numbers[cast++] = i;
   }
-  olx_bvh_intersect_many(c->surfels->scene->bvh, rays, cast, false, hits);
+  olx_bvh_intersect_many(c->surfels->scene->light_bvh, rays, cast, false, hits);
   for (uint32_t k = 0; k < cast; k++) {
     const uint32_t i = numbers[k];
     ends[i] = find_end(c, surface, &draws[i], &rays[k], &hits[k]);

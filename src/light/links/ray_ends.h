@@ -16,7 +16,7 @@ typedef struct olx_ray_caster {
 // A scene with surfels whose rays are recorded, for one thread.
 typedef struct olx_watched_surfels {
   olx_ray_log log;
-  olx_bvh bvh;
+  olx_bvh bvh, light_bvh;
   olx_scene scene;
   olx_light_surfels surfels;
 } olx_watched_surfels;

@@ -10,7 +10,7 @@ static void look(const void *user, olx_vec3 from, const olx_vec3 *directions, ui
   const olx_scene *scene = user;
   for (uint32_t i = 0; i < count; i++) {
     const olx_ray ray = {from, directions[i], 0.0f, INFINITY};
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_ray_hit hit = olx_bvh_intersect(scene->light_bvh, &ray);
     sights[i] = (olx_lamp_sight){.distance = INFINITY};
     if (hit.triangle == OLX_NO_HIT) continue;
     const olx_surface s = olx_surface_at(scene, &hit, directions[i]);
@@ -55,7 +55,7 @@ bool olx_lamp_light_draw(const olx_near_lamps *l, const olx_scene *scene, olx_ve
   if (l->count == 0 || !olx_near_lamps_draw(l, position, olx_sampler_next(sampler), &drawn)) return false;
   const olx_ray ray = {position, drawn.direction, 0.0f, olx_length(olx_sub(drawn.target, position))};
   ++*rays;
-  if (olx_bvh_occluded(scene->bvh, &ray)) return false;
+  if (olx_bvh_occluded(scene->light_bvh, &ray)) return false;
   *beam = (olx_lamp_beam){drawn.direction, drawn.irradiance};
   return true;
 }

@@ -255,7 +255,7 @@ static float explore(const olx_light_surfels *s, const olx_surface *surface, uin
     const olx_vec3 local = olx_sample_cosine(olx_stratified2(i, seed));
     rays[i] = olx_surface_ray(surface, olx_from_basis(local, surface->geometric_normal), INFINITY);
   }
-  olx_bvh_intersect_many(s->scene->bvh, rays, EXPLORING_RAYS, false, hits);
+  olx_bvh_intersect_many(s->scene->light_bvh, rays, EXPLORING_RAYS, false, hits);
   float sum = 0.0f, farthest = 0.0f;
   uint32_t found = 0;
   *nearest = INFINITY;

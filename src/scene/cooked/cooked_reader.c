@@ -175,7 +175,7 @@ static olx_result check_material(const cooked_file *file, const olx_cooked_mater
                     is_light(olx_load3(m->emission)) && within(m->metallic, 0.0f, 1.0f) &&
                     within(m->roughness, 0.0f, 1.0f) && within(m->specular_weight, 0.0f, 1.0f) &&
                     within(m->alpha, 0.0f, 1.0f) && within(m->alpha_cutoff, 0.0f, 1e20f) &&
-                    within(m->normal_scale, -1e4f, 1e4f) && !(m->flags & ~(15u | OLX_COOKED_SECOND_UVS)) &&
+                    within(m->normal_scale, -1e4f, 1e4f) && !(m->flags & ~(31u | OLX_COOKED_SECOND_UVS)) &&
                     (file->data[OLX_COOKED_COLORS] || !(m->flags & OLX_COOKED_VERTEX_COLORS)) &&
                     (file->data[OLX_COOKED_SECOND_UVS_CHUNK] || !(m->flags & OLX_COOKED_SECOND_UVS));
   return sane ? OLX_OK : refuse(file, "material", index, "a name, number or flag out of range");
@@ -204,6 +204,7 @@ static olx_result read_materials(const cooked_file *file, olx_scene *scene) {
         .normal_is_height = m->flags & OLX_COOKED_NORMAL_IS_HEIGHT,
         .vertex_colors = m->flags & OLX_COOKED_VERTEX_COLORS,
         .specular_in_alpha = m->flags & OLX_COOKED_SPECULAR_IN_ALPHA,
+        .blended = m->flags & OLX_COOKED_BLENDED,
         .second_uvs = (m->flags & OLX_COOKED_SECOND_UVS) >> OLX_COOKED_SECOND_UVS_SHIFT,
     };
     memcpy(material.name, m->name, sizeof material.name);

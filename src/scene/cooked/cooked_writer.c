@@ -51,7 +51,7 @@ static olx_cooked_material store_material(const olx_material *m) {
       .flags = (m->emits_both_sides ? OLX_COOKED_EMITS_BOTH_SIDES : 0u) |
                (m->normal_is_height ? OLX_COOKED_NORMAL_IS_HEIGHT : 0u) |
                (m->vertex_colors ? OLX_COOKED_VERTEX_COLORS : 0u) |
-               (m->specular_in_alpha ? OLX_COOKED_SPECULAR_IN_ALPHA : 0u) |
+               (m->specular_in_alpha ? OLX_COOKED_SPECULAR_IN_ALPHA : 0u) | (m->blended ? OLX_COOKED_BLENDED : 0u) |
                m->second_uvs << OLX_COOKED_SECOND_UVS_SHIFT,
   };
   memcpy(stored.name, m->name, strlen(m->name));

@@ -65,8 +65,23 @@ static void read_alpha(const material_reader *r, const cJSON *element, float alp
   const bool mask = strcmp(mode, "MASK") == 0, blend = strcmp(mode, "BLEND") == 0;
   if (!mask && !blend) return;
   r->material->alpha = alpha;
-  r->material->alpha_cutoff = mask ? number_of(element, "alphaCutoff", 0.5f) : 0.5f;
-  if (blend) olx_name_list_add(&r->import->translucent, r->material->name);
+  if (blend) olx_import_blend(r->import, r->material);
+  else r->material->alpha_cutoff = number_of(element, "alphaCutoff", 0.5f);
+}
+
+// Takes what a thin surface transmits for missing opacity. Its base colour tints that light: the mean counts.
+static void read_transmission(const material_reader *r, const cJSON *element) {
+  const cJSON *extension = olx_gltf_extension(element, "KHR_materials_transmission");
+  const float factor = olx_clamp(number_of(extension, "transmissionFactor", 0.0f), 0.0f, 1.0f);
+  olx_material *m = r->material;
+  if (!(factor > 0.0f)) return;
+  if (olx_json_member(extension, "transmissionTexture")) {
+    olx_name_list_add(&r->import->glazed, m->name);
+    return;
+  }
+  const float tint = (m->base_color.x + m->base_color.y + m->base_color.z) * (1.0f / 3.0f);
+  m->alpha *= 1.0f - factor * olx_clamp(tint, 0.0f, 1.0f);
+  if (!m->blended) olx_import_blend(r->import, m);
 }
 
 // A texture that is merged with others: its place in the material, and its key there.
@@ -189,6 +204,7 @@ static olx_result read_material(material_reader *r, const cJSON *element) {
   m->emits_both_sides = cJSON_IsTrue(olx_json_member(element, "doubleSided"));
   const cJSON *glossy = olx_gltf_extension(element, "KHR_materials_pbrSpecularGlossiness");
   OLX_TRY(glossy ? read_glossiness(r, element, glossy) : read_metallic_roughness(r, element));
+  read_transmission(r, element);
   OLX_TRY(read_shared_textures(r, element));
   if (r->crowded) olx_name_list_add(&r->import->crowded, m->name);
   return OLX_OK;

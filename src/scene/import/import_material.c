@@ -57,6 +57,12 @@ void olx_import_repair_material(olx_material_import *import, olx_material *m) {
   }
 }
 
+void olx_import_blend(olx_material_import *import, olx_material *material) {
+  material->blended = true;
+  material->alpha_cutoff = 0.5f;
+  olx_name_list_add(&import->blended, material->name);
+}
+
 static void resolve_textures(const olx_texture_table *textures, olx_material *m) {
   m->base_color_texture = olx_texture_table_resolve(textures, m->base_color_texture);
   m->alpha_texture = olx_texture_table_resolve(textures, m->alpha_texture);
@@ -80,7 +86,8 @@ void olx_import_warn_about_materials(const olx_material_import *import) {
   } kinds[] = {
       {&import->clamped, "an albedo above 0.95, clamped"},
       {&import->repaired, "numbers outside their range, clamped"},
-      {&import->translucent, "partial opacity: absent below 0.5, else opaque"},
+      {&import->blended, "partial opacity: light passes in part, and probes see it where alpha is 0.5 or more"},
+      {&import->glazed, "a texture of transmission, which is left out: light does not pass"},
       {&import->tinted, "a specular colour: its luminance, up to 1, scales reflections at all angles"},
       {&import->displaced, "specular textures with other coordinates than the roughness texture: they are left out"},
       {&import->crowded, "textures with more than two kinds of coordinates: the others use the first one's"},

@@ -16,7 +16,9 @@ typedef struct olx_material_import {
   const char *path; // path of the model
   olx_scene *scene;
   olx_texture_table textures;
-  olx_name_list clamped, repaired, translucent;
+  olx_name_list clamped, repaired;
+  olx_name_list blended;   // materials of partial opacity
+  olx_name_list glazed;    // materials whose transmission is a texture
   olx_name_list tinted;    // materials with a specular colour (KHR_materials_specular)
   olx_name_list displaced; // materials whose specular textures use other coordinates than their roughness texture
   olx_name_list crowded;   // materials whose textures use more than two placements of coordinates
@@ -36,7 +38,10 @@ void olx_import_warn_about_materials(const olx_material_import *import);
 
 // Returns whether surfaces with this material are fully transparent, whatever its textures contain.
 static inline bool olx_material_absent(const olx_material *material) {
-  return material->alpha < material->alpha_cutoff;
+  return material->blended ? !(material->alpha > 0.0f) : material->alpha < material->alpha_cutoff;
 }
+
+// Makes a material one of partial opacity. What probes see of it is at least half opaque.
+void olx_import_blend(olx_material_import *import, olx_material *material);
 
 #endif

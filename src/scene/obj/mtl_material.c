@@ -39,8 +39,8 @@ static olx_result request_texture(olx_material_import *import, const source_mate
 
 static void read_mtl_opacity(olx_material_import *import, const source_material *source, olx_material *m) {
   m->alpha = get_float(source, AI_MATKEY_OPACITY, 1.0f);
-  if (m->alpha < 1.0f) olx_name_list_add(&import->translucent, m->name);
-  if (m->alpha < 1.0f || m->alpha_texture != OLX_NO_TEXTURE) m->alpha_cutoff = 0.5f;
+  if (m->alpha < 1.0f) olx_import_blend(import, m);
+  else if (m->alpha_texture != OLX_NO_TEXTURE) m->alpha_cutoff = 0.5f;
 }
 
 static olx_result read_mtl(olx_material_import *import, const source_material *source, olx_material *m) {

@@ -3,6 +3,7 @@
 #include "bake/volume/volume_light.h"
 #include "core/harmonics.h"
 #include "field/harmonic_data.h"
+#include "light/links/gathers.h"
 #include "light/links/links.h"
 #include "light/path.h"
 #include "light/scene_light.h"
@@ -679,6 +680,38 @@ static void lines_of_sunlight_are_neither_lost_nor_doubled(void **state) {
   assert_true(fabs(sum.taken / sum.wanted - 1.0) < 0.03);
 }
 
+// What is known near a point may be in the dark, as the inside of a chair below its seat. The bound on a gathered ray
+// then follows the other rays; where it followed what is known alone, nothing was left of their light.
+static void gathers_beside_a_dark_surfel_keep_their_light(void **state) {
+  (void)state;
+  enum { PLACES = 16, PATHS = 1024, SEEDS = 16 };
+  olx_scene *scene = room_below_the_sky();
+  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  const olx_scene_light_parts parts = olx_scene_light_open(light);
+  olx_vec3 *all = calloc(parts.surfels->count, sizeof *all);
+  for (uint32_t i = 0; i < parts.surfels->count; i++) all[i] = olx_add(parts.direct[i], parts.irradiance[i]);
+  const olx_passed_light passed = {parts.direct, all, 32};
+  double found = 0.0, wanted = 0.0;
+  for (uint32_t i = 0; i < PLACES; i++) {
+    const olx_vec2 uv = olx_hammersley(i, PLACES);
+    const olx_ray ray = {olx_v3(0, 1.9f * (uv.x - 0.5f), 3.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    uint64_t rays = 0;
+    wanted += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+      const uint32_t own = olx_hash2(i, seed);
+      const olx_vec3 light_here = olx_gather_at(parts.surfels, &wall, NULL, own, &passed, 0.25f, 0.0f, NULL);
+      found += (double)olx_luminance(light_here) / SEEDS;
+    }
+  }
+  print_message("gathers in the dark bring %.4f of the truth\n", found / wanted);
+  assert_true(fabs(found / wanted - 1.0) < 0.03);
+  free(all);
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+}
+
 // A room whose ceiling is a black pane of this opacity.
 static olx_scene *room_below_a_pane(float alpha) {
   uint32_t paint;
@@ -756,6 +789,7 @@ int main(void) {
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part),
       cmocka_unit_test(lines_of_sunlight_are_neither_lost_nor_doubled),
+      cmocka_unit_test(gathers_beside_a_dark_surfel_keep_their_light),
       cmocka_unit_test(a_pane_takes_its_opacity_from_the_light),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };

@@ -149,22 +149,27 @@ static void cast_rays(const olx_ray_caster *caster, const olx_surface *surface, 
 }
 
 // Adds up the light of all rays: the mean over bins of the mean over each bin's rays.
-static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float most) {
-  olx_vec3 sum = {0};
-  const olx_ray_end *end = g->ends;
+static olx_vec3 add_up(const gather *g, const olx_passed_light *light, float most, float around) {
+  olx_vec3 brought[OLX_GATHER_RAYS], sum = {0};
+  float luminance[OLX_GATHER_RAYS], all = 0.0f;
+  uint32_t rays = 0;
   for (uint32_t bin = 0; bin < OLX_GUIDE_BINS; bin++) {
     const float share = 1.0f / (float)(OLX_GUIDE_BINS * g->bins[bin]);
-    for (uint32_t i = 0; i < g->bins[bin]; i++) {
-      const olx_vec3 brought = olx_ray_end_light(end++, share, 1.0f / OLX_GATHER_RAYS, light);
-      const float luminance = olx_luminance(brought);
-      sum = olx_madd(sum, brought, luminance > most ? most / luminance : 1.0f);
+    for (uint32_t i = 0; i < g->bins[bin]; i++, rays++) {
+      brought[rays] = olx_ray_end_light(&g->ends[rays], share, 1.0f / OLX_GATHER_RAYS, light);
+      luminance[rays] = olx_luminance(brought[rays]);
+      all += luminance[rays];
     }
+  }
+  for (uint32_t i = 0; i < rays; i++) {
+    const float bound = most * olx_max(around, all - luminance[i]);
+    sum = olx_madd(sum, brought[i], luminance[i] > bound ? bound / luminance[i] : 1.0f);
   }
   return sum;
 }
 
 olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surface, const olx_ray_pool *pool,
-                       uint32_t seed, const olx_passed_light *light, float most, olx_gather_row *row) {
+                       uint32_t seed, const olx_passed_light *light, float most, float around, olx_gather_row *row) {
   olx_watched_surfels watched;
   olx_ray_caster caster = {.surfels = surfels};
   const uint64_t check = row ? check_of(surface, seed) : 0;
@@ -180,5 +185,5 @@ olx_vec3 olx_gather_at(const olx_light_surfels *surfels, const olx_surface *surf
     keep(row, check, &g);
     row->rays += OLX_GATHER_RAYS;
   }
-  return add_up(&g, light, most);
+  return add_up(&g, light, most, around);
 }

@@ -24,7 +24,7 @@ static const float FEW_SPREAD = 0.1f, FEW_NOISE = 1.5f;
 // A point's own rays are as many as bring the standard error that is expected of them to this multiple of the bound on
 // noise, but for at most MOST_BATCHES times OLX_GATHER_RAYS. Records, between which light is interpolated, cast more.
 static const float GATHER_NOISE = 4.0f, RECORD_NOISE = 2.0f;
-// Bound on the light of one gathered ray, as a share of the light around the point.
+// Bound on the light of one gathered ray, as a share of the light around the point or of all other rays' light.
 static const float MOST_OF_A_RAY = 0.25f;
 
 olx_vec3 olx_light_gather(const olx_scene_light *l, const olx_surface *surface, uint32_t batches, olx_gather_row *row) {
@@ -33,12 +33,12 @@ olx_vec3 olx_light_gather(const olx_scene_light *l, const olx_surface *surface, 
   const uint32_t near = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
-  const float most = MOST_OF_A_RAY * (float)batches * around;
+  const float most = MOST_OF_A_RAY * (float)batches;
   const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < batches; i++) {
     const uint32_t own = i ? olx_hash2(seed, i) : seed;
-    sum = olx_add(sum, olx_gather_at(&l->surfels, surface, pool, own, &light, most, row));
+    sum = olx_add(sum, olx_gather_at(&l->surfels, surface, pool, own, &light, most, around, row));
   }
   return olx_scale(sum, 1.0f / (float)batches);
 }

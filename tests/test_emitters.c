@@ -223,34 +223,71 @@ static void sun_point_and_spot_arrive_as_defined(void **state) {
   olx_scene_free(scene);
 }
 
-static void many_lights_share_one_group_and_sum_up(void **state) {
+// Adds one light more of a kind than can have groups of their own; returns the irradiance of a surface that faces up.
+static double add_many(olx_scene *scene, olx_light_type type, olx_vec3 position) {
+  double expected = 0.0;
+  for (uint32_t i = 0; i <= OLX_MAX_LIGHT_GROUPS; i++) {
+    const olx_vec2 r = made_random(3, i);
+    // One is far weaker than the others.
+    olx_light light = {.type = type,
+                       .position = {r.x, 1.0f + r.y, r.y},
+                       .direction = {r.x - 0.5f, -1.0f, r.y - 0.5f},
+                       .emission = olx_splat(i == 3 ? 1e-9f : 1.0f + (float)i)};
+    assert_int_equal(olx_scene_add_light(scene, &light), OLX_OK);
+    light = scene->lights[scene->light_count - 1];
+    const olx_vec3 way = olx_sub(light.position, position);
+    expected += type == OLX_LIGHT_POINT ? (double)(light.emission.x * way.y / powf(olx_length(way), 3.0f))
+                                        : (double)(light.emission.x * -light.direction.y);
+  }
+  return expected;
+}
+
+static void many_lights_of_a_kind_share_one_group_and_sum_up(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
   const olx_material material = olx_material_default();
   made_square(scene, -5.0f, made_material(scene, &material));
-  const uint32_t count = OLX_MAX_LIGHT_GROUPS + 5;
-  double expected = 0.0;
   const olx_vec3 position = {0.1f, 0.0f, 0.2f}, up = {0.0f, 1.0f, 0.0f};
-  for (uint32_t i = 0; i < count; i++) {
-    const olx_vec2 r = made_random(3, i);
-    olx_light light = {.type = i % 2 ? OLX_LIGHT_POINT : OLX_LIGHT_SUN,
-                       .position = {r.x, 1.0f + r.y, r.y},
-                       .direction = {r.x - 0.5f, -1.0f, r.y - 0.5f},
-                       .emission = olx_splat(1.0f + (float)i)};
-    assert_int_equal(olx_scene_add_light(scene, &light), OLX_OK);
-    light = scene->lights[i];
-    if (i % 2) {
-      const olx_vec3 way = olx_sub(light.position, position);
-      expected += (double)(light.emission.x * way.y / powf(olx_length(way), 3.0f));
-    } else {
-      expected += (double)(light.emission.x * -light.direction.y);
-    }
-  }
+  const double lamps = add_many(scene, OLX_LIGHT_POINT, position), suns = add_many(scene, OLX_LIGHT_SUN, position);
   made_finish(scene);
-  assert_int_equal(olx_emitters_group_count(scene), 1);
-  assert_true(olx_emitters_group_varies(scene, 0));
-  assert_close((double)irradiance(scene, 0, position, up, 1 << 14).x, expected, 2e-3);
+  assert_int_equal(olx_emitters_group_count(scene), 2);
+  for (uint32_t group = 0; group < 2; group++) {
+    assert_true(olx_emitters_group_varies(scene, group));
+    assert_false(olx_emitters_group_is_a_sun(scene, group));
+    assert_close((double)irradiance(scene, group, position, up, 1 << 14).x, group == 0 ? suns : lamps, 2e-3);
+  }
   olx_scene_free(scene);
+}
+
+// Suns have their own samples beside any number of lamps, and the other way round; the faintest light is drawn.
+static void kinds_of_lights_do_not_share_a_group(void **state) {
+  (void)state;
+  for (uint32_t kind = 0; kind < 2; kind++) {
+    olx_scene *scene = made_scene();
+    const olx_material material = olx_material_default();
+    made_square(scene, -5.0f, made_material(scene, &material));
+    add_many(scene, kind ? OLX_LIGHT_SUN : OLX_LIGHT_POINT, olx_splat(0.0f));
+    const olx_light other = {.type = kind ? OLX_LIGHT_POINT : OLX_LIGHT_SUN,
+                             .position = {0.0f, 1.0f, 0.0f},
+                             .direction = {0.0f, -1.0f, 0.0f},
+                             .emission = olx_splat(800.0f)};
+    assert_int_equal(olx_scene_add_light(scene, &other), OLX_OK);
+    made_finish(scene);
+    assert_int_equal(olx_emitters_group_count(scene), 2);
+    assert_false(olx_emitters_group_varies(scene, 0));
+    assert_int_equal(olx_emitters_group_is_a_sun(scene, 0), kind == 0);
+    bool faintest = false;
+    for (uint32_t i = 0; i < 4096; i++) {
+      olx_light_sample s;
+      const float pick = ((float)i + 0.5f) / 4096.0f;
+      assert_true(olx_emitters_sample(scene, 0, olx_splat(0.0f), (olx_vec2){0}, pick, &s));
+      assert_int_equal(s.light, OLX_MAX_LIGHT_GROUPS + 1);
+      assert_true(olx_emitters_sample(scene, 1, olx_splat(0.0f), (olx_vec2){0}, pick, &s));
+      faintest |= s.light == 3;
+    }
+    assert_true(faintest);
+    olx_scene_free(scene);
+  }
 }
 
 static void a_scene_without_light_has_no_groups(void **state) {
@@ -486,7 +523,8 @@ int main(void) {
       cmocka_unit_test(triangles_are_drawn_by_area_times_luminance),
       cmocka_unit_test(textured_emission_is_drawn_by_its_mean_and_returns_its_texels),
       cmocka_unit_test(sun_point_and_spot_arrive_as_defined),
-      cmocka_unit_test(many_lights_share_one_group_and_sum_up),
+      cmocka_unit_test(many_lights_of_a_kind_share_one_group_and_sum_up),
+      cmocka_unit_test(kinds_of_lights_do_not_share_a_group),
       cmocka_unit_test(a_scene_without_light_has_no_groups),
       cmocka_unit_test(a_constant_sky_gives_pi),
       cmocka_unit_test(the_density_of_an_image_sky_integrates_to_one),

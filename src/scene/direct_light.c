@@ -252,22 +252,23 @@ olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *su
   return irradiance_of(scene, surface, dark, NULL, sampler, rays);
 }
 
-static bool has_sun(const olx_scene *scene) {
-  for (uint32_t i = 0; i < scene->light_count; i++) {
-    if (scene->lights[i].type == OLX_LIGHT_SUN) return true;
+static bool has_single_sun(const olx_scene *scene, uint32_t groups) {
+  for (uint32_t group = 0; group < groups; group++) {
+    if (olx_emitters_group_is_a_sun(scene, group)) return true;
   }
   return false;
 }
 
 olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays) {
-  if (!has_sun(scene)) return olx_splat(0.0f);
+  const uint32_t groups = olx_emitters_group_count(scene);
+  if (!has_single_sun(scene, groups)) return olx_splat(0.0f);
   const olx_surface white = whiten(surface);
   const olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   olx_vec3 sum = {0};
-  for (uint32_t i = 0; i < scene->light_count; i++) {
+  for (uint32_t group = 0; group < groups; group++) {
     olx_light_sample sample;
-    if (scene->lights[i].type != OLX_LIGHT_SUN || olx_emitters_group_varies(scene, i)) continue;
-    if (!olx_emitters_sample(scene, i, surface->position, (olx_vec2){0}, 0.0f, &sample)) continue;
+    if (!olx_emitters_group_is_a_sun(scene, group)) continue;
+    if (!olx_emitters_sample(scene, group, surface->position, (olx_vec2){0}, 0.0f, &sample)) continue;
     sum = olx_madd(sum, olx_direct_light_of(scene, &shading, &sample, rays).diffuse, OLX_PI);
   }
   return sum;

@@ -78,7 +78,7 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
 olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
                                    olx_sampler *sampler, uint64_t *rays);
 // Returns the direct irradiance in W/m^2 that suns bring, which is the same in every call. It is 0 where a scene has so
-// many lights that they share their samples (OLX_MAX_LIGHT_GROUPS).
+// many suns that they share their samples (OLX_MAX_LIGHT_GROUPS).
 olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays);
 // Returns the direct irradiance of olx_direct_irradiance_but where every light reaches every surface. `sky` guides
 // samples of the sky and learns from them; it may be NULL.

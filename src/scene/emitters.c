@@ -1,5 +1,5 @@
-// Draws points on lights for next-event estimation: lights without area, emissive triangles by what each sends to the
-// place, and the environment, with their densities.
+// Draws points on lights for next-event estimation: lights without area and emissive triangles by what each sends to
+// the place, and the environment, with their densities.
 #include "scene/emitters.h"
 
 #include "core/distribution.h"
@@ -8,6 +8,7 @@
 #include "core/sampling.h"
 #include "field/lights.h"
 #include "scene/environment.h"
+#include "scene/many_lamps.h"
 #include "scene/spherical_triangle.h"
 
 // Most emissive triangles that are weighted for each shaded point; more are drawn by power alone.
@@ -21,8 +22,13 @@ typedef struct panel {
 } panel;
 
 struct olx_emitters {
-  uint32_t light_groups; // lights without area
-  float *light_sums;     // used when they share one group
+  // Groups are ordered: single lights without area, shared suns, shared lamps, emissive triangles, environment.
+  uint32_t single_count;
+  uint32_t *singles; // lights without area that are groups of their own, as in the scene
+  uint32_t sun_count;
+  uint32_t *suns;        // that share a group
+  float *sun_sums;       // their distribution; NULL: none share one
+  olx_many_lamps *lamps; // point and spot lights that share a group; NULL: none do
   uint32_t triangle_count;
   uint32_t *triangles; // the emissive ones
   float *triangle_sums;
@@ -121,27 +127,51 @@ no_memory:
   return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for the emission of %u triangles", scene->triangle_count);
 }
 
-// Returns the luminous power that a light without area emits into a scene of the given radius.
-static float light_power(const olx_light *light, float radius) {
-  const float luminance = olx_luminance(light->emission);
-  switch (light->type) {
-  case OLX_LIGHT_SUN: return luminance * OLX_PI * radius * radius;
-  case OLX_LIGHT_POINT: return luminance * 4.0f * OLX_PI;
-  case OLX_LIGHT_SPOT: return luminance * 2.0f * OLX_PI * (1.0f - light->cosine_outer);
-  default: return 0.0f; // lights with an area are triangles
+// The share of draws that takes any of the suns that share a group: each can be drawn beside a far stronger one.
+static const float ANY_SUN_SHARE = 0.125f;
+
+// Builds the distribution of suns by their irradiance; does nothing when all are dark.
+static olx_result gather_shared_suns(const olx_scene *scene, uint32_t count, olx_emitters *emitters) {
+  emitters->suns = olx_allocate(count, sizeof *emitters->suns);
+  float *sums = olx_allocate((size_t)count + 1, sizeof *sums);
+  if (!emitters->suns || !sums) {
+    olx_release(sums);
+    return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for %u suns", count);
   }
+  double total = 0.0;
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    if (scene->lights[i].type != OLX_LIGHT_SUN) continue;
+    sums[emitters->sun_count] = olx_luminance(scene->lights[i].emission);
+    total += (double)sums[emitters->sun_count];
+    emitters->suns[emitters->sun_count++] = i;
+  }
+  const float any = (float)(total * (double)(ANY_SUN_SHARE / (1.0f - ANY_SUN_SHARE)) / (double)count);
+  for (uint32_t i = 0; i < count; i++) sums[i] += any;
+  if (olx_distribution_build(sums, count, sums)) emitters->sun_sums = sums;
+  else olx_release(sums);
+  return OLX_OK;
+}
+
+static uint32_t count_suns(const olx_scene *scene) {
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < scene->light_count; i++) count += scene->lights[i].type == OLX_LIGHT_SUN;
+  return count;
 }
 
 static olx_result gather_lights(const olx_scene *scene, olx_emitters *emitters) {
-  emitters->light_groups = scene->light_count;
-  if (scene->light_count <= OLX_MAX_LIGHT_GROUPS) return OLX_OK;
-  emitters->light_sums = olx_allocate((size_t)scene->light_count + 1, sizeof(float));
-  if (!emitters->light_sums) return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for %u lights", scene->light_count);
-  const float radius = 0.5f * olx_length(olx_sub(scene->bounds_max, scene->bounds_min));
-  for (uint32_t i = 0; i < scene->light_count; i++) emitters->light_sums[i] = light_power(&scene->lights[i], radius);
-  emitters->light_groups =
-      olx_distribution_build(emitters->light_sums, scene->light_count, emitters->light_sums) ? 1 : 0;
-  return OLX_OK;
+  const uint32_t suns = count_suns(scene), lamps = scene->light_count - suns;
+  const bool share_suns = suns > OLX_MAX_LIGHT_GROUPS, share_lamps = lamps > OLX_MAX_LIGHT_GROUPS;
+  const uint32_t singles = (share_suns ? 0 : suns) + (share_lamps ? 0 : lamps);
+  if (singles > 0) {
+    emitters->singles = olx_allocate(singles, sizeof *emitters->singles);
+    if (!emitters->singles) return olx_fail(OLX_ERROR_MEMORY, "lights: no memory for %u lights", singles);
+  }
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    const bool shares = scene->lights[i].type == OLX_LIGHT_SUN ? share_suns : share_lamps;
+    if (!shares) emitters->singles[emitters->single_count++] = i;
+  }
+  if (share_suns) OLX_TRY(gather_shared_suns(scene, suns, emitters));
+  return share_lamps ? olx_many_lamps_create(scene, &emitters->lamps) : OLX_OK;
 }
 
 olx_result olx_emitters_create(const olx_scene *scene, olx_emitters **result_emitters) {
@@ -162,7 +192,10 @@ failed:
 
 void olx_emitters_free(olx_emitters *emitters) {
   if (!emitters) return;
-  olx_release(emitters->light_sums);
+  olx_release(emitters->singles);
+  olx_release(emitters->suns);
+  olx_release(emitters->sun_sums);
+  olx_many_lamps_free(emitters->lamps);
   olx_release(emitters->triangles);
   olx_release(emitters->triangle_sums);
   olx_release(emitters->area_pdf);
@@ -171,14 +204,23 @@ void olx_emitters_free(olx_emitters *emitters) {
   olx_release(emitters);
 }
 
-// Groups are ordered: lights without area, emissive triangles, environment.
+// Returns the number of groups of lights without area.
+static uint32_t light_groups(const olx_emitters *e) {
+  return e->single_count + (e->sun_sums != NULL) + (e->lamps != NULL);
+}
+
 uint32_t olx_emitters_group_count(const olx_scene *scene) {
   const olx_emitters *emitters = scene->emitters;
-  return emitters->light_groups + (emitters->triangle_count > 0) + emitters->environment.lit;
+  return light_groups(emitters) + (emitters->triangle_count > 0) + emitters->environment.lit;
 }
 
 bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group) {
-  return group >= scene->emitters->light_groups || scene->emitters->light_sums != NULL;
+  return group >= scene->emitters->single_count;
+}
+
+bool olx_emitters_group_is_a_sun(const olx_scene *scene, uint32_t group) {
+  const olx_emitters *emitters = scene->emitters;
+  return group < emitters->single_count && scene->lights[emitters->singles[group]].type == OLX_LIGHT_SUN;
 }
 
 bool olx_emitters_group_is_sky(const olx_scene *scene, uint32_t group) {
@@ -345,16 +387,27 @@ static bool sample_environment(const olx_scene *scene, olx_vec3 position, olx_ve
   return true;
 }
 
+// Samples a group of lights without area.
+static bool sample_light_group(const olx_scene *scene, uint32_t group, olx_vec3 position, float random_pick,
+                               olx_light_sample *sample) {
+  const olx_emitters *emitters = scene->emitters;
+  if (group < emitters->single_count) return sample_light(scene, emitters->singles[group], position, 1.0f, sample);
+  if (emitters->sun_sums && group == emitters->single_count) {
+    const uint32_t drawn = olx_distribution_draw(emitters->sun_sums, emitters->sun_count, random_pick, NULL);
+    const float probability = olx_distribution_probability(emitters->sun_sums, drawn);
+    return sample_light(scene, emitters->suns[drawn], position, probability, sample);
+  }
+  uint32_t lamp;
+  const float probability = olx_many_lamps_draw(emitters->lamps, position, random_pick, &lamp);
+  return probability > 0.0f && sample_light(scene, lamp, position, probability, sample);
+}
+
 bool olx_emitters_sample(const olx_scene *scene, uint32_t group, olx_vec3 position, olx_vec2 random, float random_pick,
                          olx_light_sample *sample) {
   const olx_emitters *emitters = scene->emitters;
-  if (group < emitters->light_groups) {
-    if (!emitters->light_sums) return sample_light(scene, group, position, 1.0f, sample);
-    const uint32_t drawn = olx_distribution_draw(emitters->light_sums, scene->light_count, random_pick, NULL);
-    const float probability = olx_distribution_probability(emitters->light_sums, drawn);
-    return sample_light(scene, drawn, position, probability, sample);
-  }
-  if (group == emitters->light_groups && emitters->triangle_count > 0) {
+  const uint32_t lights = light_groups(emitters);
+  if (group < lights) return sample_light_group(scene, group, position, random_pick, sample);
+  if (group == lights && emitters->triangle_count > 0) {
     return sample_triangle(scene, position, random, random_pick, sample);
   }
   return sample_environment(scene, position, random, sample);

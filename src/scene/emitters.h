@@ -4,11 +4,12 @@
 
 #include "scene/surface.h"
 
-// Emitters are divided into groups, over which light is summed. Within a group one emitter is drawn by power or, when
-// at most 32 triangles emit, by the approximate light that it sends to the shaded point. Triangles of such a group with
-// a large solid angle are sampled evenly over that angle, others evenly over their area. Each light without area is a
-// group, the emissive triangles are one, the environment is one. When there are more than OLX_MAX_LIGHT_GROUPS lights
-// without area, they share one group, from which one is drawn by power.
+// Emitters are divided into groups, over which light is summed. Each light without area is a group, the emissive
+// triangles are one, the environment is one. When there are more than OLX_MAX_LIGHT_GROUPS point and spot lights, they
+// share one group, and so do more than as many suns. Within a group one emitter is drawn: lamps about by the light that
+// each sends to the shaded point (scene/many_lamps.h), suns by their irradiance, triangles by power or, when at most 32
+// emit, by the approximate light that each sends to the point. Triangles of such a group with a large solid angle are
+// sampled evenly over that angle, others evenly over their area.
 #define OLX_MAX_LIGHT_GROUPS 16
 
 typedef struct olx_light_sample {
@@ -26,9 +27,11 @@ olx_result olx_emitters_create(const olx_scene *scene, olx_emitters **emitters);
 void olx_emitters_free(olx_emitters *emitters);
 
 uint32_t olx_emitters_group_count(const olx_scene *scene);
-// Returns whether samples of a group vary (area lights, environment) or are always the same (a single light without
-// area).
+// Returns whether samples of a group vary (area lights, environment, lights that share a group) or are always the same
+// (a single light without area).
 bool olx_emitters_group_varies(const olx_scene *scene, uint32_t group);
+// Returns whether a group is a single sun.
+bool olx_emitters_group_is_a_sun(const olx_scene *scene, uint32_t group);
 
 // Samples a light of a group for a surface point. Returns false when it cannot contribute (behind the surface, or
 // dark).

@@ -1,5 +1,5 @@
-# Commands warn of results that are black or cannot be compared: a scene without light, and pictures with different
-# numbers of bounces.
+# Commands warn of results that are black, too bright for a field, or not to be compared: a scene without light, a sun in
+# lux, and pictures with different numbers of bounces.
 source "$(dirname "$0")/cli/expect.sh"
 
 echo '{"model": "square.obj", "cameras": [{"eye": [0, 0, 3], "target": [0, 0, 0]}]}' >dark.json
@@ -10,8 +10,14 @@ grep -q 'warning: the scene has no light' stderr.txt || fail "bake says nothing 
 expect 0 render dark.json -o dark.exr --size 8x8 --spp 1
 grep -q 'warning: the scene has no light' stderr.txt || fail "render says nothing of a dark scene"
 
+sun='"lights": [{"type": "sun", "direction": [0, 0, -1], "irradiance": [1e5, 1e5, 1e5]}]'
+echo '{"model": "square.obj", '"$sun"', "cameras": [{"eye": [0, 0, 3], "target": [0, 0, 0]}]}' >lux.json
+expect 0 bake lux.json -o lux.olx --grid 1x1x1 $small --bounces 0
+grep -q 'warning: .*brings 100000 W/m2, and a field holds at most 65408' stderr.txt ||
+  fail "bake says nothing of light that is too bright for a field"
+
 expect 0 bake builtin:cornell -o a.olx --grid 2x2x2 $small --bounces 1
-grep -q 'no light' stderr.txt && fail "bake warns of a lit scene"
+grep -q 'no light\|bright light' stderr.txt && fail "bake warns of a lit scene"
 expect 0 render builtin:cornell --field a.olx -o field.exr --size 16x16 --spp 1
 expect 0 render builtin:cornell --method path --field a.olx -o like.exr --size 16x16 --spp 1
 expect 0 render builtin:cornell --method path --bounces 2 -o two.exr --size 16x16 --spp 1

@@ -375,15 +375,40 @@ olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *set
   return OLX_OK;
 }
 
+// Returns the brightest irradiance, or radiance of a surface, that the scene's lights alone bring, in W/m^2 (sr).
+static float brightest_light(const olx_scene *scene) {
+  olx_vec3 suns = {0};
+  float emission = olx_max3(scene->environment.texels ? olx_splat(0.0f) : scene->environment.radiance);
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    if (scene->lights[i].type == OLX_LIGHT_SUN) suns = olx_add(suns, scene->lights[i].emission);
+  }
+  for (uint32_t i = 0; i < scene->material_count; i++) {
+    emission = olx_max(emission, olx_max3(scene->materials[i].emission));
+  }
+  return olx_max(olx_max3(suns), emission);
+}
+
+static void warn_about_light(const olx_scene *scene) {
+  if (olx_emitters_group_count(scene) == 0) {
+    olx_log(OLX_LOG_WARNING,
+            "the scene has no light: no lamp, no material that shines, no environment; the field will be black");
+  }
+  const float brightest = brightest_light(scene);
+  if (brightest > OLX_RGB9E5_MOST) {
+    olx_log(
+        OLX_LOG_WARNING,
+        "a sun or a shining material brings %g W/m2, and a field holds at most %g, so that bright light will be cut: "
+        "divide all lights of the scene by a factor, and its exposure, too",
+        (double)brightest, (double)OLX_RGB9E5_MOST);
+  }
+}
+
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats) {
   const bool writes = settings->work.parts == 0;
   OLX_TRY(check_bake(scene, settings, writes ? path : NULL));
   if (writes) OLX_TRY(olx_scene_check_output(scene, path));
-  if (olx_emitters_group_count(scene) == 0) {
-    olx_log(OLX_LOG_WARNING,
-            "the scene has no light: no lamp, no material that shines, no environment; the field will be black");
-  }
+  warn_about_light(scene);
   olx_bake_settings used = without_idle_spacings(settings);
   olx_bake_run b = {.context = {.scene = scene, .settings = &used}};
   char link_folder[PATH_MAX];

@@ -225,6 +225,7 @@ static void light_passes_blended_surfaces_by_their_share(void **state) {
       assert_int_equal(olx_bvh_occluded(scene->light_bvh, &rays[i]), hit);
       assert_int_equal(olx_bvh_occluded(scene->light_bvh, &back), hit);
       assert_int_equal(olx_bvh_occluded(scene->bvh, &rays[i]), alphas[k] >= 0.5f);
+      assert_true(fabsf(olx_bvh_transmittance(scene->light_bvh, &rays[i]) - (1.0f - alphas[k])) < 1e-6f);
       met += hit;
     }
     // Four standard deviations of independent rays.
@@ -232,6 +233,29 @@ static void light_passes_blended_surfaces_by_their_share(void **state) {
     assert_true(fabsf(share - alphas[k]) <= spread);
     olx_scene_free(scene);
   }
+}
+
+// Two panes let through the product of what each does, and a wall behind them nothing.
+static void panes_multiply_what_they_let_through(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  olx_material pane = olx_material_default(), wall = pane;
+  pane.alpha_cutoff = 0.5f;
+  pane.blended = true;
+  for (uint32_t i = 0; i < 2; i++) {
+    pane.alpha = i ? 0.75f : 0.5f;
+    made_square(scene, 1.0f + (float)i, made_material(scene, &pane));
+  }
+  made_square(scene, 0.0f, made_material(scene, &wall));
+  made_finish(scene);
+  const struct {
+    float from, to, passes;
+  } ways[] = {{3, 2.5f, 1}, {3, 1.5f, 0.25f}, {3, 0.5f, 0.125f}, {0.5f, 3, 0.125f}, {3, -1, 0}};
+  for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+    const olx_ray ray = {{0.3f, ways[i].from, 0.1f}, {0, ways[i].to - ways[i].from, 0}, 0.0f, 1.0f};
+    assert_true(fabsf(olx_bvh_transmittance(scene->light_bvh, &ray) - ways[i].passes) < 1e-6f);
+  }
+  olx_scene_free(scene);
 }
 
 // Rays aimed exactly at edges and corners of a closed mesh hit it.
@@ -308,6 +332,7 @@ int main(void) {
       cmocka_unit_test(rays_end_at_t_max_and_begin_at_t_min),
       cmocka_unit_test(rays_pass_through_cut_out_parts_and_keep_the_scenes_triangle_numbers),
       cmocka_unit_test(light_passes_blended_surfaces_by_their_share),
+      cmocka_unit_test(panes_multiply_what_they_let_through),
       cmocka_unit_test(no_ray_slips_between_triangles),
       cmocka_unit_test(scenes_do_not_know_of_each_other),
       cmocka_unit_test(floating_point_modes_stay_as_they_are),

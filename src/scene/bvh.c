@@ -43,22 +43,31 @@ static bool is_masked(const olx_scene *scene, uint32_t triangle) {
 typedef struct query_context {
   struct RTCIntersectContext embree; // the first member: Embree knows this one alone
   bool follows_light;
+  float *passing; // of a single ray, whose light the filter multiplies by what surfaces let through; NULL: others
 } query_context;
+
+// Returns whether a query meets the masked surface at a point.
+static bool meets(const query_context *query, const olx_scene *scene, uint32_t triangle, float u, float v) {
+  if (query->passing) {
+    *query->passing *= 1.0f - olx_surface_opacity(scene, triangle, u, v);
+    return *query->passing <= 0.0f;
+  }
+  return query->follows_light ? olx_surface_stops_light(scene, triangle, u, v)
+                              : olx_surface_present(scene, triangle, u, v);
+}
 
 // Embree's filter, by which rays pass through masked-out parts. A packet's hits are arrays of N: Ng_x, Ng_y, Ng_z, u,
 // v, primID, in that order.
 static void filter_masked(const struct RTCFilterFunctionNArguments *arguments) {
   const olx_bvh_tree *bvh = arguments->geometryUserPtr;
-  const bool follows_light = ((const query_context *)arguments->context)->follows_light;
+  const query_context *query = (const query_context *)arguments->context;
   const size_t n = arguments->N;
   const float *u = (const float *)arguments->hit + 3 * n, *v = u + n;
   const unsigned int *primitive = (const unsigned int *)arguments->hit + 5 * n;
   for (size_t i = 0; i < n; i++) {
     if (arguments->valid[i] == 0) continue;
     const uint32_t triangle = scene_triangle(bvh, 1, primitive[i]);
-    const bool met = follows_light ? olx_surface_stops_light(bvh->scene, triangle, u[i], v[i])
-                                   : olx_surface_present(bvh->scene, triangle, u[i], v[i]);
-    if (!met) arguments->valid[i] = 0;
+    if (!meets(query, bvh->scene, triangle, u[i], v[i])) arguments->valid[i] = 0;
   }
 }
 
@@ -243,13 +252,21 @@ olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray) {
                        .v = query.hit.v};
 }
 
-bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) {
+static bool is_stopped(const olx_bvh *bvh, const olx_ray *ray, float *passing) {
   if (!(ray->t_max >= ray->t_min)) return true;
   query_context context = make_context(bvh, false);
+  context.passing = passing;
   struct RTCRay query = single_ray(ray);
   rtcOccluded1(bvh->tree->accelerator, &context.embree, &query);
   if (bvh->log) olx_ray_log_add(bvh->log, ray->origin, ray->direction, ray->t_max);
   return query.tfar < 0.0f;
+}
+
+bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray) { return is_stopped(bvh, ray, NULL); }
+
+float olx_bvh_transmittance(const olx_bvh *bvh, const olx_ray *ray) {
+  float passing = 1.0f;
+  return is_stopped(bvh, ray, &passing) ? 0.0f : passing;
 }
 
 static float segment_distance(olx_vec3 p, olx_vec3 a, olx_vec3 b) {

@@ -32,6 +32,10 @@ void olx_bvh_free(olx_scene *scene);
 
 olx_ray_hit olx_bvh_intersect(const olx_bvh *bvh, const olx_ray *ray);
 bool olx_bvh_occluded(const olx_bvh *bvh, const olx_ray *ray);
+// Returns the share of light that passes along a ray of light_bvh: 0 where it meets an opaque surface, else the product
+// of 1 - alpha of all blended surfaces on its way. It is the mean of what rays find that are occluded or not, without
+// their noise.
+float olx_bvh_transmittance(const olx_bvh *bvh, const olx_ray *ray);
 // Returns whether nothing lies between two points.
 static inline bool olx_bvh_is_clear(const olx_bvh *bvh, olx_vec3 from, olx_vec3 to) {
   return !olx_bvh_occluded(bvh, &(olx_ray){from, olx_sub(to, from), 0.0f, 1.0f});

@@ -72,10 +72,15 @@ static olx_lobes reflect_sample(const olx_shading *s, olx_mis mis, const olx_lig
   return lobes;
 }
 
-static bool visible(const olx_scene *scene, const olx_surface *surface, const olx_light_sample *sample) {
+// Returns the share of a sample's light that reaches the surface.
+static float arriving(const olx_scene *scene, const olx_surface *surface, const olx_light_sample *sample) {
   const olx_ray ray = sample->infinite ? olx_surface_ray(surface, sample->direction, INFINITY)
                                        : olx_surface_ray_to(surface, sample->target, sample->epsilon_end);
-  return !olx_bvh_occluded(scene->light_bvh, &ray);
+  return olx_bvh_transmittance(scene->light_bvh, &ray);
+}
+
+static olx_lobes scale_lobes(olx_lobes lobes, float factor) {
+  return (olx_lobes){olx_scale(lobes.diffuse, factor), olx_scale(lobes.specular, factor)};
 }
 
 static bool is_dark(const olx_shading *s, const olx_light_sample *sample) {
@@ -89,7 +94,7 @@ olx_lobes olx_direct_light_of(const olx_scene *scene, const olx_shading *shading
   const olx_lobes lobes = reflect_sample(shading, OLX_MIS_DELTA_ONLY, sample);
   if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) return lobes;
   ++*rays;
-  return visible(scene, shading->surface, sample) ? lobes : (olx_lobes){0};
+  return scale_lobes(lobes, arriving(scene, shading->surface, sample));
 }
 
 // Draws a light of a group; the sky's by the surface's guide. *random receives the numbers that the sky was drawn by.
@@ -117,10 +122,12 @@ olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *sh
     olx_light_sample sample;
     if (!draw_light(scene, shading, group, &random, pick, &sample)) continue;
     if (is_dark(shading, &sample) || (mis == OLX_MIS_DELTA_ONLY && !sample.delta)) continue;
-    const olx_lobes lobes = reflect_sample(shading, mis, &sample);
+    olx_lobes lobes = reflect_sample(shading, mis, &sample);
     if (olx_max(olx_max3(lobes.diffuse), olx_max3(lobes.specular)) <= 0.0f) continue;
     ++*rays;
-    if (!visible(scene, shading->surface, &sample)) continue;
+    const float share = arriving(scene, shading->surface, &sample);
+    if (!(share > 0.0f)) continue;
+    lobes = scale_lobes(lobes, share);
     sum.diffuse = olx_add(sum.diffuse, lobes.diffuse);
     sum.specular = olx_add(sum.specular, lobes.specular);
     if (shading->sky && olx_emitters_group_is_sky(scene, group)) {

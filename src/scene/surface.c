@@ -130,6 +130,13 @@ bool olx_surface_stops_light(const olx_scene *scene, uint32_t triangle, float u,
   return random_at(&corners, u, v) < alpha_at(scene, material, &corners, u, v);
 }
 
+float olx_surface_opacity(const olx_scene *scene, uint32_t triangle, float u, float v) {
+  const olx_material *material = &scene->materials[scene->material_index[triangle]];
+  if (!material->blended) return olx_surface_present(scene, triangle, u, v) ? 1.0f : 0.0f;
+  const olx_corners corners = corners_of(scene, triangle);
+  return olx_clamp(alpha_at(scene, material, &corners, u, v), 0.0f, 1.0f);
+}
+
 static olx_vec3 emission_at_uvs(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs) {
   if (!has_texture(material->emission_texture)) return material->emission;
   return olx_mul(material->emission,

@@ -40,6 +40,8 @@ bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, flo
 // Returns whether the surface is there for rays of light: of a blended material a share alpha of all points is, chosen
 // by a hash of the point, so that a surface is a screen of fine holes, the same for all rays.
 bool olx_surface_stops_light(const olx_scene *scene, uint32_t triangle, float u, float v);
+// Returns the share of light that the surface stops: alpha of a blended material, else 1 or 0.
+float olx_surface_opacity(const olx_scene *scene, uint32_t triangle, float u, float v);
 
 // Returns the radiance that leaves the triangle on an emitting side.
 olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u, float v);

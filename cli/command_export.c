@@ -110,7 +110,7 @@ static int export_gltf(int argc, char **argv) {
   const char *output = NULL;
   command_line line = {.name = "export gltf",
                        .summary = "Write probes, irradiance volume and bricks as a model to look at, over the scene.",
-                       .example = "octalux export gltf room.olx -o probes.glb",
+                       .example = "octalux export gltf room.olx -o probes.gltf",
                        .arguments = {"FIELD"},
                        .tables = {{model_option, &output}, {json_option, &json}}};
   int code;

@@ -143,7 +143,7 @@ static const option web_options[] = {
     {"--field", OPTION_TEXT, offsetof(web_export, field), "FILE.olx", "the field that gives indirect light", 1},
     {"-o", OPTION_TEXT, offsetof(web_export, folder), "DIR", "the folder to write, made where it is missing", 1},
     {"--no-glossy", OPTION_FLAG, offsetof(web_export, no_glossy), NULL,
-     "diffuse light alone, with less than half as much to load"},
+     "diffuse light alone, with about a quarter less to load"},
     {0}};
 
 int command_export_web(int argc, char **argv) {

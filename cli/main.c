@@ -12,6 +12,7 @@
 typedef struct command {
   const char *name, *usage, *summary;
   int (*run)(int argc, char **argv);
+  const char *heading; // of its entry in the manual's list; NULL: the page of its name
 } command;
 
 static const command commands[] = {
@@ -28,9 +29,12 @@ static const command commands[] = {
     {"verify", "verify out.olx", "structure and checksums of a field", command_verify},
     {"pack", "pack out.olx", "store a field smaller, for shipping: out.olxz", command_pack},
     {"unpack", "unpack out.olxz", "make the same field of it again", command_unpack},
-    {"export", "export exr|gltf|ktx2 out.olx -o FILE", "maps as pictures, probes as a model, light as a volume",
-     command_export},
-    {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view},
+    {"export", "export exr|gltf|ktx2|web INPUT -o OUTPUT",
+     "maps as pictures, probes as a model, light as a volume, a web page", command_export,
+     ".BR octalux\\-export\\-exr \"(1), \" octalux\\-export\\-gltf \"(1), \" octalux\\-export\\-ktx2 \"(1), \" "
+     "octalux\\-export\\-web (1)"},
+    {"view", "view SCENE --field out.olx", "fly through a scene lit by a field, on Vulkan", command_view,
+     ".B octalux view"},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -45,7 +49,8 @@ static void print_commands(FILE *stream) {
   fputs("\n\n--json on any command but view prints one JSON object on standard output; messages and progress go to "
         "standard "
         "error.\n"
-        "An output named - is standard output, where its format is written in order: .json, .png, .html, .olxs.\n"
+        "An output named - is standard output, where its format is written in order: .json, .png, .html, .gltf, .ktx2, "
+        ".olxs.\n"
         "Exit codes: 0 done, 1 failed, 2 wrong usage, 75 not ready (of parts and join: try again later), 128 + the "
         "signal's number when interrupted.\n",
         stream);
@@ -98,8 +103,11 @@ static void print_overview(help_form form) {
       ".TH OCTALUX 1 \"\" \"octalux %s\" \"User Commands\"\n.SH NAME\noctalux \\- global illumination from light field "
       "probes\n.SH SYNOPSIS\noctalux COMMAND [options]\n.SH COMMANDS\n",
       olx_version());
-  for (size_t i = 0; i < COMMANDS; ++i)
-    printf(".TP\n.BR octalux\\-%s (1)\n%s\n", commands[i].name, commands[i].summary);
+  for (size_t i = 0; i < COMMANDS; ++i) {
+    const command *listed = &commands[i];
+    if (listed->heading) printf(".TP\n%s\n%s\n", listed->heading, listed->summary);
+    else printf(".TP\n.BR octalux\\-%s (1)\n%s\n", listed->name, listed->summary);
+  }
 }
 
 static bool is_help(const char *word) {

@@ -26,4 +26,4 @@ add_custom_command(
   DEPENDS ${OLX_WEB_SOURCES} ${PROJECT_SOURCE_DIR}/shaders/octalux_shared.h ${PROJECT_SOURCE_DIR}/web/build_page.sh
   COMMENT "Building the page of export web" VERBATIM)
 add_custom_target(octalux-web ALL DEPENDS ${OLX_WEB_DIR}/index.html)
-install(DIRECTORY ${OLX_WEB_DIR}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/octalux/web OPTIONAL)
+install(DIRECTORY ${OLX_WEB_DIR}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/octalux/web COMPONENT tools OPTIONAL)

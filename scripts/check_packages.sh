@@ -29,21 +29,30 @@ holds() {
 }
 listed() { (cd "$source" && find "$@" -type f ! -path '*__pycache__*'); }
 
-printf '%s\n' lib/liboctalux.so.0 "lib/liboctalux.so.$version" share/doc/liboctalux0/copyright | holds liboctalux0
-printf '%s\n' bin/octalux bin/octalux-bench bin/octalux-bench-gpu share/doc/octalux/copyright | holds octalux
-printf '%s\n' bin/octalux-bake-mpi share/doc/octalux-mpi/copyright | holds octalux-mpi
-printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright | holds octalux-viewer
-{
+# Package octalux has a manual page for each command but view and for each format of export, and the page of export web
+# where this build made it.
+tools_files() {
+  printf '%s\n' bin/octalux bin/octalux-bench bin/octalux-bench-gpu share/bash-completion/completions/octalux share/doc/octalux/copyright
+  printf 'share/man/man1/octalux%s.1\n' '' -{scene,place,bake,join,render,compare,audit,info,verify,pack,unpack,export-{exr,gltf,ktx2,web}}
+  if [ -e "$build/web/index.html" ]; then (cd "$build" && find web -type f | sed 's|^|share/octalux/|'); fi
+}
+holds liboctalux0 < <(printf '%s\n' lib/liboctalux.so.0 "lib/liboctalux.so.$version" share/doc/liboctalux0/copyright)
+holds octalux < <(tools_files)
+holds octalux-mpi < <(printf '%s\n' bin/octalux-bake-mpi share/doc/octalux-mpi/copyright)
+holds octalux-viewer < <(printf '%s\n' bin/octalux-view share/doc/octalux-viewer/copyright)
+dev_files() {
   listed include
   listed shaders/lib shaders/octalux_shared.h -name '*.[gh]*' | sed 's|^|share/octalux/|'
   printf 'lib/cmake/octalux/octalux%s.cmake\n' Config ConfigVersion {,Bake}Targets{,-release}
   printf 'lib/%s\n' liboctalux{,-bake}.a liboctalux.so pkgconfig/octalux{,-bake}.pc
   echo share/doc/liboctalux-dev/copyright
-} | holds liboctalux-dev
-{
+}
+holds liboctalux-dev < <(dev_files)
+doc_files() {
   listed docs examples python README.md LICENSE CHANGELOG.md CONTRIBUTING.md | sed 's|^|share/doc/octalux/|'
   echo share/doc/octalux-doc/copyright
-} | holds octalux-doc
+}
+holds octalux-doc < <(doc_files)
 
 # Programs depend on the packages of the libraries that they load, and the runtime on the C library alone.
 [[ $(field_of liboctalux0 Depends) =~ ^libc6\ [^,]*$ ]] || fail "the runtime depends on $(field_of liboctalux0 Depends)"
@@ -71,8 +80,11 @@ for pair in runtime:liboctalux0 dev:liboctalux-dev tools:octalux viewer:octalux-
   package=${pair#*:} column=${pair%:*} notice=$work/${pair#*:}/usr/share/doc/${pair#*:}/copyright
   grep -q '^MIT License' "$notice" || fail "$package has no licence of ours"
   while IFS= read -r library; do grep -q "^$library: " "$notice" || fail "$package does not name $library"; done \
-    < <(third_party "$column" loads 2; third_party "$column" contains 2)
+    < <(third_party "$column" loads 2; third_party "$column" contains 2; third_party "$column" page 2)
   [ "$(grep -c 'Its notice' "$notice")" = "$(third_party "$column" contains 2 | wc -l)" ] || fail "$package lacks a notice"
+  web=$work/$package/usr/share/octalux/web
+  while IFS= read -r notice; do [ ! -e "$web/index.html" ] || [ -e "$web/$notice" ] || fail "$package lacks $notice of its page"; done \
+    < <(third_party "$column" page 6)
 done
 
 # Programs have no debug symbols, nothing refers to the build folder, and they run where they were unpacked.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Write the notices of a package: our licence, the libraries that the package contains, with their notices as Debian has them,
-and those that it loads.
+those of the page of `export web`, whose notices lie beside it, and those that it loads.
 
 Usage: notices.py SOURCE-FOLDER PACKAGE OUTPUT. PACKAGE is a column entry of cmake/third_party.tsv.
 """
@@ -26,9 +26,13 @@ def main():
     libraries = libraries_of(source, package)
     text = "Octalux\n\n" + (source / "LICENSE").read_text(encoding="utf-8")
     inside = [(row[0], row[2], row[4]) for row in libraries if row[1] == "contains"]
+    paged = [(row[0], row[2], row[4]) for row in libraries if row[1] == "page"]
     loaded = [(row[0], row[2], row[4]) for row in libraries if row[1] == "loads"]
     if inside:
         text += "\nContained libraries of others\n\n" + "".join(contained(*row) for row in inside)
+    if paged:
+        text += "\nLibraries of others in the page of `octalux export web`, where the package has it\n\n"
+        text += "".join(f"{name}: {licence}; /usr/share/octalux/web/{notice}\n" for name, licence, notice in paged)
     if loaded:
         text += "\nLibraries of others that are loaded, or linked by those who link the static libraries\n\n"
         text += "".join(f"{name}: {licence}; /usr/share/doc/{debian}/copyright\n" for name, licence, debian in loaded)

@@ -27,8 +27,7 @@ typedef enum olx_bake_light {
 
 // A finished unit of work, as olx_bake_work.done receives it.
 typedef struct olx_bake_unit {
-  const char *stage; // "plan", "scene", "light", "cast", "direct", "facts", "volume", "irradiance", "classic",
-                     // "relight", "probe"
+  const char *stage; // its name, such as "plan", "cast" or "probe"; docs/baking.md, "Bakes that resume", lists them all
   uint32_t round, unit, count; // number of the stage's round; number of the unit, of `count` in that round
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it

@@ -110,8 +110,8 @@ olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result
 // Outputs. A regular file is written to a temporary file in its folder, which is synced and renamed when it is
 // complete, so that no reader ever sees a part of it and a killed program leaves the old one. Links are followed: the
 // file to which they lead is replaced, with its owner and mode where that is permitted. Formats that are written in
-// order (JSON, PNG, HTML, .olxs) may also go to character devices, to pipes, and, by the name "-", to standard output;
-// folders, block devices and sockets are refused.
+// order (JSON, PNG, HTML, glTF, KTX2, .olxs) may also go to character devices, to pipes, and, by the name "-", to
+// standard output; folders, block devices and sockets are refused.
 
 // Checks before long work whether an output could be written at `path`: returns OLX_OK, or OLX_ERROR_FILE with the
 // reason in olx_last_error.

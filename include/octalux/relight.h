@@ -6,7 +6,8 @@
 // scene's surfaces, and of the texels and the irradiance volume that surfels light. In a frame, surfels get the direct
 // light of the current lights, with shadows, and links between surfels carry light one surface further. Then the texels
 // nearest to the eye receive light from the surfels. Geometry does not change, and neither does the visible emission of
-// emitters and of the sky. Radiance and irradiance probes of the paper keep the light of the bake (docs/relighting.md).
+// emitters and of the sky. Probe light (radiance as probes saw it, and irradiance probes) keeps the light of the bake
+// (docs/relighting.md).
 //
 // Threads: calls on one relighter must not overlap, and no other thread may sample its field during olx_relight_frame.
 // Frames use several threads; results do not depend on how many.

@@ -32,12 +32,11 @@ typedef enum olx_layer {
 const char *olx_layer_name(olx_layer layer);
 
 // An image of float layers. Pixel (x, y) of a layer, y down, is layers[layer][x + width * y]; absent layers are NULL.
-#define OLX_BOUNCES_INFINITE UINT32_MAX
-
 typedef struct olx_image {
   uint32_t width, height;
   olx_vec3 *layers[OLX_LAYER_COUNT];
-  // How often the indirect light has left surfaces before the visible one: OLX_BOUNCES_INFINITE or a count, when known.
+  // How often the indirect light has left surfaces before the visible one: OLX_BOUNCES_INFINITE (octalux/scene.h) or a
+  // count, when known.
   // For a field it is one more than the field's, because the picture adds a reflection. EXR files store it
   // ("octaluxBounces").
   bool bounces_known;

@@ -38,7 +38,7 @@ typedef struct olx_sample_settings {
                              // names no more, at most two others are asked; default 16
   bool keep_buried;          // also use buried probes (inside geometry; the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
-                             // direct lighting samples those already (docs/maths.md, "layers")
+                             // direct lighting samples those already (docs/maths.md, "Light, layers, bounces")
   olx_hits hits;             // the kind of light at a hit; default OLX_HITS_SHADED, and always that in a field whose
                              // lights have changed since it was baked, because stored radiance is out of date there
   float surface_tolerance;   // how far a surface may lie from its place in the bake and still get its stored light, in

@@ -4,7 +4,8 @@
 // The host owns instance, device, queue, command buffers and images. Octalux creates only what this header names, calls
 // Vulkan through the host's vkGetInstanceProcAddr and links no Vulkan library. It needs Vulkan 1.2, one queue with
 // compute, and no feature, extension or limit beyond what every device has. The selectors cage, bricks, voronoi and
-// exhaustive are supported; octree is OLX_ERROR_UNSUPPORTED.
+// exhaustive are supported; octree is OLX_ERROR_UNSUPPORTED, and so is a field whose irradiance probes are spherical
+// harmonics (olx_bake_settings.irradiance_form).
 //
 // Two ways to use a field:
 //   1. Record the passes below into the host's command buffers.
@@ -52,7 +53,7 @@ typedef struct olx_vulkan_host {
   VkPipelineCache pipeline_cache;
   // Whether the device was created with the feature textureCompressionBC. It then holds light and material in the
   // field's blocks; otherwise blocks are decoded to four times their bytes, and base colour to eight times
-  // (octalux/field.h, olx_field_info.compressed).
+  // (octalux/field.h, olx_field_info.maps.compressed).
   bool texture_compression_bc;
 } olx_vulkan_host;
 
@@ -196,7 +197,7 @@ typedef struct olx_vulkan_settings {
 olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Recording. Call these outside a render pass, in a command buffer of the field's queue family. Each call binds a
-// compute pipeline, descriptor sets 0 and 1, and push constants. OLX_ERROR_ARGUMENT for a pass, a tracer, a selector or
+// compute pipeline, descriptor sets 0 to 2, and push constants. OLX_ERROR_ARGUMENT for a pass, a tracer, a selector or
 // a kind of hit light for which the frame has no pipeline.
 //
 // The host records the barriers at both ends, and Octalux those between passes. Before the first pass, the inputs'

@@ -12,6 +12,7 @@ FIRST = {"plan": "none", "light": "none", "cast": "none", "probe": "none"}
 SAME = {"plan": "all", "scene": "all", "light": "all", "facts": "all", "volume": "all", "probe": "all"}
 SHADE = {"plan": "all", "light": "some", "cast": "none", "direct": "none", "probe": "none"}
 SHAPE = {"plan": "none", "light": "none", "cast": "none", "direct": "none", "probe": "none"}
+VIEW = {"plan": "none", "light": "none", "probe": "none"}
 # The least share of all rays that is reused after each kind of edit, just below the least of random edits. Noise
 # is low enough that surfels and gathers cast guided rays, which are the ones that an edit can easily lose.
 NOISE = "0.02"
@@ -101,6 +102,30 @@ def compare(octalux, folder, expected, what):
     return report
 
 
+def write_hut(folder, eye):
+    """Writes a room whose walls face outwards, so that only a camera in it says that it is free."""
+    corners, faces = box((0, 0, 0), (4, 2.5, 3), "wall")
+    lines = ["v %g %g %g" % corner for corner in corners]
+    lines += ["f " + " ".join(str(1 + corner) for corner in face) for face, _ in faces]
+    (folder / "hut.obj").write_text("\n".join(lines) + "\n")
+    camera = {"name": "view", "eye": eye, "target": [2, 1.2, 1.5], "up": [0, 1, 0], "fov_y_degrees": 60}
+    lamp = {"type": "point", "position": [1, 2, 1], "intensity": [10, 9, 8]}
+    (folder / "rooms.json").write_text(json.dumps({"model": "hut.obj", "cameras": [camera], "lights": [lamp]}))
+
+
+def move_camera(folder, octalux):
+    """Moves the camera into a room whose probes it thereby frees, about in it, and out again."""
+    folder.mkdir()
+    (folder / "probes.json").write_text(json.dumps({"probes": [{"position": [2, 1.3, 1.4]}]}))
+    views = [("outside", [2, 1.2, 9]), ("inside", [1, 1.2, 1]), ("inside, elsewhere", [3, 1.2, 1]),
+             ("outside again", [2, 1.2, 9])]
+    for where, eye in views:
+        write_hut(folder, eye)
+        report = compare(octalux, folder, VIEW, f"camera {where}")
+        if (report["surfels"] > 0) != where.startswith("inside"):
+            sys.exit(f"camera {where}: {report['surfels']} surfels")
+
+
 def main():
     folder, edits, seed, octalux = pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4]
     numbers, rooms = random.Random(seed), Rooms()
@@ -120,6 +145,7 @@ def main():
         if reused < LEAST_REUSED[kind] * rays:
             sys.exit(f"{what}: {reused} of {rays} rays reused")
         print(f"{what}: {reused} of {rays} rays reused")
+    move_camera(folder / "hut", octalux)
 
 
 main()

@@ -243,9 +243,11 @@ typedef struct point_stage {
   uint32_t round;
 } point_stage;
 
-// Returns the parts of the scene that the result of a step depends on: the first one is where the surfaces are that
-// probes see, and the distances between them.
-static olx_scene_parts parts_of_step(uint32_t step) { return step == 0 ? OLX_PART_GEOMETRY : OLX_PARTS_ALL; }
+// Returns the parts of the scene that the result of a step depends on. The first one is where the surfaces are that
+// probes see, and the distances between them. Buried probes see none, and views decide which probes are buried.
+static olx_scene_parts parts_of_step(uint32_t step) {
+  return step == 0 ? OLX_PART_GEOMETRY | OLX_PART_VIEWS : OLX_PARTS_ALL;
+}
 
 static uint32_t first_point(const point_stage *p) { return p->round ? p->light->point_ends[p->round - 1] : 0; }
 

@@ -631,6 +631,32 @@ static void unwritable_path_fails_before_light_is_gathered(void **state) {
   olx_scene_free(scene);
 }
 
+static void says(olx_result result, olx_result wanted, const char *words) {
+  assert_int_equal(result, wanted);
+  if (!strstr(olx_last_error(), words)) fail_msg("'%s' does not say '%s'", olx_last_error(), words);
+}
+
+// A part has a work folder and no output, which a limit on memory does not change.
+static void a_part_with_too_little_memory_names_its_work_folder(void **state) {
+  const folder *f = *state;
+  char work[300], words[400];
+  olx_scene *scene = busy_scene();
+  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 1, 1, 1), 1);
+  olx_bake_memory memory;
+  snprintf(work, sizeof work, "%s/work", f->path);
+  snprintf(words, sizeof words, "%s: a limit of 0 MB of memory is too low", work);
+  settings.memory_limit_bytes = 1;
+  settings.work = (olx_bake_work){.folder = work, .part = 1, .parts = 1};
+  says(olx_bake(scene, &settings, NULL, NULL, NULL), OLX_ERROR_MEMORY, words);
+  says(olx_bake(scene, &settings, f->file, NULL, NULL), OLX_ERROR_MEMORY, words);
+  settings.work.folder = NULL;
+  says(olx_bake(scene, &settings, NULL, NULL, NULL), OLX_ERROR_ARGUMENT, "bake: a part needs a work folder");
+  says(olx_bake_measure_memory(scene, &settings, f->file, NULL, &memory), OLX_ERROR_ARGUMENT,
+       "bake: a part needs a work folder");
+  assert_int_equal(count_files(f, false), 0);
+  olx_scene_free(scene);
+}
+
 static void cancelling_keeps_the_old_file(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
@@ -716,6 +742,7 @@ int main(void) {
       IN_FOLDER(probe_light_stands_beside_the_rest),
       IN_FOLDER(bad_settings_are_refused),
       IN_FOLDER(unwritable_path_fails_before_light_is_gathered),
+      IN_FOLDER(a_part_with_too_little_memory_names_its_work_folder),
       IN_FOLDER(cancelling_keeps_the_old_file),
       IN_FOLDER(killing_leaves_old_or_new),
   };

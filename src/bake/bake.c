@@ -412,7 +412,8 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
   olx_bake_settings used = without_idle_spacings(settings);
   olx_bake_run b = {.context = {.scene = scene, .settings = &used}};
   char link_folder[PATH_MAX];
-  OLX_TRY(olx_bake_keep_limit(scene, &used, path, progress, link_folder));
+  OLX_TRY(olx_bake_work_check(&used));
+  OLX_TRY(olx_bake_keep_limit(scene, &used, writes ? path : used.work.folder, progress, link_folder));
   if (link_folder[0]) b.link_folder = link_folder;
   OLX_TRY(olx_bake_work_open(scene, &used, &b.store));
   const olx_result result = bake_scene(&b, path, progress);

@@ -105,9 +105,10 @@ olx_manifest olx_bake_manifest(const olx_scene *scene, const olx_bake_settings *
   add_hashed(&manifest, "views", &views);
   add_hashed(&manifest, "settings", &chosen);
   olx_manifest_add(&manifest, "parts-of-scene", "geometry materials lights views");
-  olx_manifest_add(&manifest, "stages",
-                   "manifest plan scene light points cast surfels direct bounce final record lookup facts volume irradiance classic "
-                   "relight gathers probe awaited");
+  olx_manifest_add(
+      &manifest, "stages",
+      "manifest plan scene light points cast surfels direct bounce final record lookup facts volume irradiance classic "
+      "relight gathers probe awaited");
   return manifest;
 }
 
@@ -125,8 +126,11 @@ static bool wait_for_others(void *user, double waited_seconds) {
   return work->wait(work->user, waited_seconds);
 }
 
-static olx_result check_work(const olx_bake_settings *s) {
+olx_result olx_bake_work_check(const olx_bake_settings *s) {
   const olx_bake_work *work = &s->work;
+  if (!work->folder) {
+    return work->parts ? olx_fail(OLX_ERROR_ARGUMENT, "bake: a part needs a work folder") : OLX_OK;
+  }
   if (work->parts && (work->part < 1 || work->part > work->parts)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "bake: part %u of %u: must be from 1 to %u", work->part, work->parts,
                     work->parts);
@@ -140,10 +144,8 @@ static olx_result check_work(const olx_bake_settings *s) {
 olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store) {
   const olx_bake_work *work = &settings->work;
   *store = NULL;
-  if (!work->folder) {
-    return work->parts ? olx_fail(OLX_ERROR_ARGUMENT, "bake: a part needs a work folder") : OLX_OK;
-  }
-  OLX_TRY(check_work(settings));
+  OLX_TRY(olx_bake_work_check(settings));
+  if (!work->folder) return OLX_OK;
   const olx_manifest manifest = olx_bake_manifest(scene, settings);
   const olx_unit_store_settings opening = {.folder = work->folder,
                                            .manifest = &manifest,

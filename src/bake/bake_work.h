@@ -6,6 +6,8 @@
 
 #include <octalux/bake.h>
 
+// Checks what the settings say of the work folder, without looking at the folder itself.
+olx_result olx_bake_work_check(const olx_bake_settings *settings);
 // Opens the store of the bake's units; *store is NULL where the settings name no folder.
 olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store);
 // Closes the store. The folder is removed once the field is written, unless the settings keep it.

@@ -4,6 +4,7 @@
 
 #include "bake/bake_run.h"
 #include "bake/bake_settings.h"
+#include "bake/bake_work.h"
 #include "bake/cost/available.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -100,9 +101,10 @@ static uint32_t fitting_threads(const olx_bake_run *b, const memory_needs *n, ui
   return threads;
 }
 
-// Finds the folder for files of links: the output's or, for a part, which has no output, its work folder's.
-static void choose_folder(const olx_bake_settings *s, const char *output, char folder[PATH_MAX]) {
-  snprintf(folder, PATH_MAX, "%s", s->work.parts ? s->work.folder : output);
+// Finds the folder for files of links: the one that holds `path`, an output or, of a part, which has no output, a work
+// folder.
+static void choose_folder(const char *path, char folder[PATH_MAX]) {
+  snprintf(folder, PATH_MAX, "%s", path);
   char *slash = strrchr(folder, '/');
   while (slash && !slash[1] && slash > folder) {
     *slash = 0;
@@ -143,7 +145,7 @@ olx_result olx_bake_keep_limit(const olx_scene *scene, olx_bake_settings *settin
   bool in_files = false;
   link_folder[0] = 0;
   if (!settings->memory_limit_bytes) return OLX_OK;
-  choose_folder(settings, path, link_folder);
+  choose_folder(path, link_folder);
   olx_result result = survey(&b, progress, &needs);
   if (result == OLX_OK) result = obey(&b, &needs, settings, path, &in_files);
   if (!in_files) link_folder[0] = 0;
@@ -155,8 +157,9 @@ olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settin
   olx_bake_sizes sizes;
   char folder[PATH_MAX];
   *memory = (olx_bake_memory){0};
+  OLX_TRY(olx_bake_work_check(settings));
   OLX_TRY(olx_bake_measure(scene, settings, path, &sizes));
-  choose_folder(settings, path, folder);
+  choose_folder(settings->work.parts ? settings->work.folder : path, folder);
   olx_bake_run b = {.context = {.scene = scene, .settings = settings}, .link_folder = folder};
   memory_needs needs;
   const olx_result result = survey(&b, progress, &needs);

@@ -34,10 +34,13 @@ void count_work_unit(work_report *report, const olx_bake_unit *unit) {
 // Returns a reason in words.
 static const char *in_words(const char *why) {
   if (strcmp(why, "new") == 0) return "not stored before";
+  if (strcmp(why, "unreadable") == 0) return "its file could not be read";
   return strcmp(why, "damaged") == 0 ? "its file was damaged" : why;
 }
 
-static bool is_change(const char *why) { return strcmp(why, "new") != 0 && strcmp(why, "damaged") != 0; }
+static bool is_change(const char *why) {
+  return strcmp(why, "new") != 0 && strcmp(why, "damaged") != 0 && strcmp(why, "unreadable") != 0;
+}
 
 void print_work_report(const work_report *report) {
   for (uint32_t i = 0; i < report->stage_count; i++) {

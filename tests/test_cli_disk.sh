@@ -2,6 +2,7 @@
 # one output: there is the old field or a whole new one, and no other file.
 . "$OCTALUX_SOURCE_DIR/tests/cli/expect.sh"
 : "${OCTALUX_FULL_DISK:?the library that stands for a disk with faults}"
+: "${OCTALUX_UNREADABLE_FILES:?the library that stands for files that cannot be opened}"
 bake=(bake builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
 
 # on_disk VARIABLE=VALUE...: the environment of a program on a disk with faults. A sanitizer would rather come first.
@@ -41,6 +42,45 @@ cmp -s failing/a.olx whole.olx || fail "another field after errors of the device
 on_disk OCTALUX_SHORT_WRITES=1 "$OCTALUX" "${bake[@]}" -o short.olx --work short.work >stdout.txt 2>stderr.txt ||
   fail "a bake with short writes"
 cmp -s short.olx whole.olx || fail "short writes make another field"
+
+# A disk that has no more space for the work folder, at once or later, while the output's has: the field is written, and
+# one warning says what is not kept.
+mkdir roomy
+for bytes in 20000 200000; do
+  on_disk OCTALUX_DISK_FOLDER=/crowded/ OCTALUX_DISK_BYTES=$bytes "$OCTALUX" "${bake[@]}" -o roomy/a.olx \
+    --work crowded --keep-work >stdout.txt 2>stderr.txt || fail "a bake whose work folder has no more space than $bytes bytes"
+  [ "$(grep -c "crowded/.*No space left on device; what is made from now on is not kept" stderr.txt)" = 1 ] ||
+    fail "not one word of a work folder that is full at $bytes bytes"
+  cmp -s roomy/a.olx whole.olx || fail "another field with a work folder that is full at $bytes bytes"
+done
+code=0
+on_disk OCTALUX_DISK_FOLDER=/crowded/ OCTALUX_DISK_BYTES=0 "$OCTALUX" "${bake[@]}" --work crowded --part 1/1 \
+  >stdout.txt 2>stderr.txt || code=$?
+{ [ $code = 1 ] && grep -q "No space left on device" stderr.txt; } || fail "exit code $code of a part on a full disk"
+expect 0 "${bake[@]}" -o roomy/a.olx --work crowded
+cmp -s roomy/a.olx whole.olx || fail "another field after a work folder without space"
+
+# A unit of each stage that cannot be opened for now: none is lost, and the field is the same, at once or with the next
+# bake.
+with_unreadable() {
+  env LD_PRELOAD="$OCTALUX_UNREADABLE_FILES" ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" \
+    OCTALUX_UNREADABLE="$1" "$OCTALUX" "${bake[@]}" -o once.olx --work again --keep-work
+}
+expect 0 "${bake[@]}" -o once.olx --work sound --keep-work
+units=$(ls sound | grep -v '^manifest' | sort -t - -k 1,1 -k 2,2nr | sort -t - -k 1,1 -u -s)
+[ "$(wc -l <<<"$units")" -ge 8 ] || fail "few stages: $units"
+for unit in $units; do
+  cp -a sound again
+  rm -f once.olx
+  code=0
+  with_unreadable "$unit" >stdout.txt 2>stderr.txt || code=$?
+  [ $code = 0 ] || [ $code = 1 ] || fail "exit code $code where $unit cannot be opened"
+  [ $code = 0 ] || grep -q "again/$unit: cannot open: Too many open files" stderr.txt ||
+    fail "no word of $unit, which cannot be opened"
+  [ "$(ls sound)" = "$(ls again)" ] || fail "units were lost where $unit could not be opened"
+  expect 0 "${bake[@]}" -o once.olx --work again
+  cmp -s once.olx whole.olx || fail "another field after $unit could not be opened"
+done
 
 # Two bakes of different fields into one output: both end well, and the output is whole, that of one of them.
 mkdir both

@@ -25,7 +25,11 @@ enum { MOST_CALLS = 64 };
 static struct {
   char calls[MOST_CALLS];
   uint32_t count;
-  bool full;             // whether the disk refuses further writes
+  int write_error;       // with which further writes fail; 0: they do not
+  const char *spoilt;    // the name of a file that cannot be read
+  int open_error;        // with which opening it fails, or
+  int read_error;        // with which reading it fails
+  int descriptor;        // of that file
   uint32_t most_unlinks; // unless 0, how many files can be removed, as if the program were killed then
   uint32_t unlinks;
 } disk;
@@ -36,11 +40,35 @@ static void note(char call) {
 
 ssize_t write(int descriptor, const void *data, size_t size_bytes) {
   if (descriptor > 2) note('w');
-  if (descriptor > 2 && disk.full) {
-    errno = ENOSPC;
+  if (descriptor > 2 && disk.write_error) {
+    errno = disk.write_error;
     return -1;
   }
   return syscall(SYS_write, descriptor, data, size_bytes);
+}
+
+int openat(int folder, const char *name, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;
+  va_end(arguments);
+  const bool spoilt = disk.spoilt && strcmp(name, disk.spoilt) == 0;
+  if (spoilt && disk.open_error) {
+    errno = disk.open_error;
+    return -1;
+  }
+  const int descriptor = (int)syscall(SYS_openat, folder, name, flags, mode);
+  if (spoilt) disk.descriptor = descriptor;
+  else if (descriptor == disk.descriptor) disk.descriptor = 0;
+  return descriptor;
+}
+
+ssize_t read(int descriptor, void *data, size_t size_bytes) {
+  if (disk.read_error && disk.descriptor > 0 && descriptor == disk.descriptor) {
+    errno = disk.read_error;
+    return -1;
+  }
+  return syscall(SYS_read, descriptor, data, size_bytes);
 }
 
 int fsync(int descriptor) {
@@ -189,10 +217,10 @@ static void a_power_failure_leaves_whole_results_or_none(void **state) {
 static void a_full_disk_is_an_error_and_keeps_what_was_there(void **state) {
   olx_work_folder *folder = opened(*state);
   put_text(folder, &probe_3, "a result");
-  disk.full = true;
+  disk.write_error = ENOSPC;
   assert_int_equal(olx_work_folder_put(folder, &probe_3, "more", 4), OLX_ERROR_FILE);
   assert_non_null(strstr(olx_last_error(), "probe-0-3.unit: cannot write: No space left"));
-  disk.full = false;
+  disk.write_error = 0;
   holds_text(folder, &probe_3, "a result");
   olx_work_folder_remove(folder);
   assert_false(exists(((place *)*state)->folder));
@@ -326,6 +354,20 @@ static void a_folder_with_a_damaged_manifest_is_left_alone(void **state) {
   assert_true(exists(file_in(p, "probe-0-3.unit")));
 }
 
+static void a_manifest_that_cannot_be_read_now_is_no_reason_to_remove_it(void **state) {
+  place *p = *state;
+  const olx_manifest manifest = manifest_of("a", "avx2");
+  olx_work_folder *folder = opened(p);
+  olx_work_folder_close(folder);
+  disk.spoilt = "manifest-0-0.unit";
+  disk.open_error = EMFILE;
+  assert_int_equal(open_as(p, &manifest, OLX_WORK_ALONE, true, &folder), OLX_ERROR_FILE);
+  assert_non_null(strstr(olx_last_error(), "manifest-0-0.unit: cannot open: Too many open files"));
+  assert_null(strstr(olx_last_error(), "by hand"));
+  memset(&disk, 0, sizeof disk);
+  olx_work_folder_close(opened(p));
+}
+
 static void only_what_the_manifest_names_is_removed(void **state) {
   static const char *const foreign[] = {"notes.txt", "other-0-1.unit", "probe-x-1.unit", "probe-0.unit",
                                         "probe-0-1.unit.old"};
@@ -390,7 +432,7 @@ static void links_in_the_folder_are_not_followed(void **state) {
   void *data;
   size_t size_bytes;
   assert_false(olx_work_folder_has(folder, &probe_3));
-  assert_int_equal(olx_work_folder_get(folder, &probe_3, &data, &size_bytes), OLX_ERROR_FILE);
+  assert_int_equal(olx_work_folder_get(folder, &probe_3, &data, &size_bytes), OLX_ERROR_INCOMPLETE);
   olx_work_folder_drop(folder, &probe_3);
   assert_true(exists(file_in(p, "probe-0-3.unit")));
   put_text(folder, &probe_3, "a new one");
@@ -495,6 +537,23 @@ static void units_hold_while_the_parts_of_the_scene_do_that_they_need(void **sta
   assert_int_equal(olx_work_folder_look(folder, &of_all), OLX_UNIT_ABSENT);
   holds_text(folder, &of_walls, "a shape");
   olx_work_folder_close(folder);
+}
+
+static void tidying_leaves_what_cannot_be_read_now(void **state) {
+  place *p = *state;
+  const olx_unit_name of_walls = {"cast", 0, 0, WALLS};
+  olx_work_folder *folder = open_scene(p, "brick", "red");
+  put_text(folder, &of_walls, "a shape");
+  olx_work_folder_close(folder);
+  for (uint32_t i = 0; i < 2; i++) {
+    folder = open_scene(p, "brick", i ? "green" : "blue");
+    disk.spoilt = "cast-0-0.unit";
+    *(i ? &disk.read_error : &disk.open_error) = EIO;
+    olx_work_folder_tidy(folder);
+    memset(&disk, 0, sizeof disk);
+    holds_text(folder, &of_walls, "a shape");
+    olx_work_folder_close(folder);
+  }
 }
 
 // After an interrupted bake of an edited scene, and after an edit that is taken back, keys alone tell what holds.
@@ -625,6 +684,33 @@ static void a_part_that_reads_a_damaged_unit_has_it_made_again(void **state) {
   assert_int_equal(made(&n), UNITS + 1);
 }
 
+// A process may have too many open files and a server may be away; what is stored is as good as before.
+static void what_cannot_be_read_now_is_never_removed(void **state) {
+  const int faults[][2] = {{EMFILE, 0}, {ENFILE, 0}, {ESTALE, 0}, {EIO, 0}, {0, EIO}};
+  place *p = *state;
+  numbers n = {0};
+  assert_int_equal(run_whole(p, &n, 0), OLX_OK);
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+    numbers whole = {0}, part = {0};
+    memset(&disk, 0, sizeof disk);
+    disk.spoilt = "probe-0-9.unit";
+    disk.open_error = faults[i][0];
+    disk.read_error = faults[i][1];
+    assert_int_equal(run_part(p, &part, 1, 1), OLX_ERROR_FILE);
+    assert_non_null(strstr(olx_last_error(), "probe-0-9.unit: cannot "));
+    assert_int_equal(disk.count, 0);
+    assert_int_equal(run_whole(p, &whole, 0), OLX_OK);
+    assert_int_equal(made(&whole), 1);
+    assert_int_equal(whole.made[9], 1);
+    all_right(&whole);
+    assert_null(strchr(disk.calls, 'u'));
+    memset(&disk, 0, sizeof disk);
+    assert_int_equal(run_part(p, &part, 1, 1), OLX_OK);
+    assert_int_equal(made(&part), 0);
+    all_right(&part);
+  }
+}
+
 // Runs a part as the light of a scene does: it heeds the mark, and leaves one where it cannot go on.
 static olx_result run_marked_part(const place *p, numbers *n, uint32_t part, uint32_t parts) {
   olx_unit_store *store = store_of(p, n, part, parts, 0);
@@ -739,6 +825,23 @@ static void a_limit_bounds_the_folder(void **state) {
   olx_unit_store_close(store, false);
 }
 
+// A whole bake needs its folder only for the case that it is interrupted, while parts have nothing else.
+static void a_full_disk_ends_a_part_alone(void **state) {
+  const int errors[] = {ENOSPC, EDQUOT, EIO};
+  place *p = *state;
+  for (uint32_t i = 0; i < 3; i++) {
+    numbers n = {0}, part = {0};
+    olx_work_folder_close(opened(p));
+    disk.write_error = errors[i];
+    assert_int_equal(run_whole(p, &n, 0), errors[i] == EIO ? OLX_ERROR_FILE : OLX_OK);
+    if (errors[i] != EIO) all_right(&n);
+    assert_int_equal(run_part(p, &part, 1, 1), OLX_ERROR_FILE);
+    assert_non_null(strstr(olx_last_error(), ".unit: cannot write: "));
+    assert_int_equal(count_files(p->folder), 1);
+    memset(&disk, 0, sizeof disk);
+  }
+}
+
 static void bytes_that_end_early_are_an_error(void **state) {
   (void)state;
   olx_byte_writer writer = {0};
@@ -770,24 +873,28 @@ int main(void) {
       IN_A_PLACE(joining_takes_the_folders_own_manifest),
       IN_A_PLACE(folders_that_are_not_ours_are_refused_and_left_alone),
       IN_A_PLACE(a_folder_with_a_damaged_manifest_is_left_alone),
+      IN_A_PLACE(a_manifest_that_cannot_be_read_now_is_no_reason_to_remove_it),
       IN_A_PLACE(only_what_the_manifest_names_is_removed),
       IN_A_PLACE(the_manifest_outlives_the_units),
       IN_A_PLACE(a_folder_that_is_half_removed_is_begun_anew),
       IN_A_PLACE(links_in_the_folder_are_not_followed),
       IN_A_PLACE(who_works_alone_keeps_others_out),
       IN_A_PLACE(units_hold_while_the_parts_of_the_scene_do_that_they_need),
+      IN_A_PLACE(tidying_leaves_what_cannot_be_read_now),
       IN_A_PLACE(keys_outlive_the_manifest_of_an_edit),
       IN_A_PLACE(an_edit_has_to_be_allowed_and_to_be_of_the_scene_alone),
       cmocka_unit_test(without_a_store_every_unit_is_made),
       IN_A_PLACE(a_whole_bake_makes_what_is_missing),
       IN_A_PLACE(parts_in_any_order_make_every_unit_once),
       IN_A_PLACE(a_part_that_reads_a_damaged_unit_has_it_made_again),
+      IN_A_PLACE(what_cannot_be_read_now_is_never_removed),
       IN_A_PLACE(a_part_without_a_missing_unit_heeds_the_mark_of_others),
       IN_A_PLACE(a_mark_that_is_damaged_or_lost_costs_nothing_but_time),
       IN_A_PLACE(a_mark_is_no_concern_of_whole_bakes),
       IN_A_PLACE(a_mark_that_cannot_be_true_is_ignored),
       IN_A_PLACE(joining_makes_nothing),
       IN_A_PLACE(a_limit_bounds_the_folder),
+      IN_A_PLACE(a_full_disk_ends_a_part_alone),
       cmocka_unit_test(bytes_that_end_early_are_an_error),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -32,8 +32,8 @@ typedef struct olx_bake_unit {
   bool found;                  // its result was in the work folder already
   double seconds;              // seconds of the clock, to compute or to read it
   uint64_t bytes;              // size of its result in the work folder; 0 when it was not kept there
-  const char *why; // why it was computed: "new", "damaged", or what changed since it was stored, some of "geometry
-                   // materials lights views"; "" where `found`. Valid during the call
+  const char *why; // why it was computed: "new", "damaged", "unreadable", or what changed since it was stored, some of
+                   // "geometry materials lights views"; "" where `found`. Valid during the call
 } olx_bake_unit;
 
 // Where a bake stores the results of its units, so that it can continue after it was stopped or killed, or be divided
@@ -45,8 +45,8 @@ typedef struct olx_bake_work {
   bool keep;            // leave the folder as it is when the field is written; default false: it is removed. A whole
                         // bake also accepts a folder of the same settings whose scene was edited since, and reuses
                         // what still holds
-  uint64_t limit_bytes; // the most for all results: beyond it a whole bake stores no more, with a warning, and a part
-                        // fails with OLX_ERROR_FILE; 0, the default: no limit
+  uint64_t limit_bytes; // the most for all results: beyond it, and where the disk is full, a whole bake stores no more,
+                        // with a warning, and a part fails with OLX_ERROR_FILE; 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
                         // field; 0, the default: a whole bake
   // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted.
@@ -226,11 +226,12 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 //
 // With a work folder, a bake continues where another one of the same scene, settings, build and machine stopped.
 // OLX_ERROR_ARGUMENT when the folder belongs to another bake, and OLX_ERROR_FILE when it is not a work folder or is in
-// use. A damaged result is named in a warning and computed again. A part writes no field (`path` is ignored) and never
-// waits: it returns OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of other parts are
-// missing; call it again then. Any number of parts may run at once, of any `parts`, more than once; meanwhile a whole
-// bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between
-// irradiance probes, which cannot be stored.
+// use. A damaged result is named in a warning and computed again. One that cannot be read now is kept, and is computed
+// again or ends the bake with OLX_ERROR_FILE. A part writes no field (`path` is ignored) and never waits: it returns
+// OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of other parts are missing; call it again
+// then. Any number of parts may run at once, of any `parts`, more than once; meanwhile a whole bake is refused where
+// the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between irradiance probes, which
+// cannot be stored.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
 

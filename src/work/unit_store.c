@@ -135,22 +135,37 @@ static olx_result load_bytes(const olx_unit_stage *stage, uint32_t unit, const v
   return olx_bytes_end(&reader, stage->name);
 }
 
-// Loads a unit. *missing is set when its file is damaged or gone; the file is then removed.
-static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool *missing) {
+// What became of a unit that was to be loaded.
+typedef enum unit_fate {
+  UNIT_LOADED = 0,
+  UNIT_MISSING,   // or of another scene
+  UNIT_DAMAGED,   // and removed
+  UNIT_UNREADABLE // but kept, because another program, or another time, may read it: olx_last_error() says why
+} unit_fate;
+
+// Joining, which cannot make a unit, fails where a unit is neither loaded nor missing.
+static olx_result fate_of(olx_unit_store *s, const olx_unit_name *name, olx_result got, unit_fate *fate) {
+  *fate = UNIT_LOADED;
+  if (got == OLX_ERROR_INCOMPLETE) *fate = UNIT_MISSING;
+  else if (got == OLX_ERROR_CHECKSUM && !s->joins) *fate = UNIT_DAMAGED;
+  else if (got == OLX_ERROR_FILE && !s->joins) *fate = UNIT_UNREADABLE;
+  else return got;
+  if (*fate != UNIT_DAMAGED) return OLX_OK;
+  olx_log(OLX_LOG_WARNING, "%s; it is made again", olx_last_error());
+  olx_work_folder_drop(s->folder, name);
+  return OLX_OK;
+}
+
+static olx_result load_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, unit_fate *fate) {
   const double start = olx_seconds();
   const olx_unit_name name = name_of(stage, unit);
   void *data;
   size_t size_bytes;
   OLX_TRY(olx_check_cancelled());
-  olx_result result = olx_work_folder_get(s->folder, &name, &data, &size_bytes);
-  *missing = !s->joins && (result == OLX_ERROR_CHECKSUM || result == OLX_ERROR_FILE || result == OLX_ERROR_INCOMPLETE);
-  if (result == OLX_ERROR_INCOMPLETE && *missing) return OLX_OK;
-  if (*missing) {
-    olx_log(OLX_LOG_WARNING, "%s; it is made again", olx_last_error());
-    olx_work_folder_drop(s->folder, &name);
-    return OLX_OK;
-  }
-  if (result == OLX_OK) result = load_bytes(stage, unit, data, size_bytes);
+  const olx_result got = olx_work_folder_get(s->folder, &name, &data, &size_bytes);
+  OLX_TRY(fate_of(s, &name, got, fate));
+  if (*fate != UNIT_LOADED) return OLX_OK;
+  const olx_result result = load_bytes(stage, unit, data, size_bytes);
   olx_release(data);
   if (result == OLX_OK) report(s, stage, unit, "", start, size_bytes);
   return result;
@@ -167,12 +182,21 @@ static olx_result refuse_more(olx_unit_store *s) {
   return OLX_OK;
 }
 
+// Goes on without storing results, which a whole bake can do without, where the disk has no space for them.
+static olx_result go_on_unstored(olx_unit_store *s) {
+  s->full = true;
+  olx_log(OLX_LOG_WARNING, "%s; what is made from now on is not kept", olx_last_error());
+  return OLX_OK;
+}
+
 static olx_result store_bytes(olx_unit_store *s, const olx_unit_name *name, const olx_byte_writer *bytes) {
   if (bytes->failed) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for a result", s->path);
   const uint64_t limit = s->settings.limit_bytes;
   if (limit && olx_work_folder_bytes(s->folder) + OLX_UNIT_HEADER_BYTES + bytes->size_bytes > limit)
     return refuse_more(s);
-  return olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
+  const olx_result result = olx_work_folder_put(s->folder, name, bytes->data, bytes->size_bytes);
+  const bool goes_on = result != OLX_OK && olx_work_folder_is_full(s->folder) && !s->settings.parts;
+  return goes_on ? go_on_unstored(s) : result;
 }
 
 static olx_result store_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, uint64_t *size_bytes) {
@@ -192,12 +216,16 @@ olx_result olx_unit_keep(olx_unit_store *s, const olx_unit_stage *stage) {
   return s ? store_unit(s, stage, 0, &bytes) : OLX_OK;
 }
 
-static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, bool damaged) {
+// Makes a unit that was not loaded.
+static olx_result make_unit(olx_unit_store *s, const olx_unit_stage *stage, uint32_t unit, unit_fate fate) {
   const double start = olx_seconds();
   uint64_t bytes;
   if (!s) return stage->make(stage->user, unit);
   const olx_unit_name name = name_of(stage, unit);
-  const olx_manifest_value why = damaged ? (olx_manifest_value){"damaged"} : reason_for(s, &name);
+  olx_manifest_value why = {"damaged"};
+  if (fate == UNIT_UNREADABLE) why = (olx_manifest_value){"unreadable"};
+  if (fate == UNIT_MISSING) why = reason_for(s, &name);
+  if (fate == UNIT_UNREADABLE) olx_log(OLX_LOG_WARNING, "%s; its unit is made again", olx_last_error());
   OLX_TRY(stage->make(stage->user, unit));
   OLX_TRY(store_unit(s, stage, unit, &bytes));
   report(s, stage, unit, why.text, start, bytes);
@@ -227,7 +255,7 @@ static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
   const stage_place place = {s, stage};
   olx_unit_deal deal = deal_of(s, stage);
   uint32_t missing = 0, next;
-  while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next, false));
+  while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next, UNIT_MISSING));
   // Other parts may have stored theirs since.
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     const olx_unit_name name = name_of(stage, unit);
@@ -239,11 +267,11 @@ static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
 static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
   for (uint32_t unit = 0; unit < stage->count; unit++) {
     const olx_unit_name name = name_of(stage, unit);
-    const bool stored = is_stored(s, &name);
-    bool missing = !stored;
-    if (stored) OLX_TRY(load_unit(s, stage, unit, &missing));
-    if (missing && olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
-    if (missing) OLX_TRY(make_unit(s, stage, unit, stored));
+    unit_fate fate = UNIT_MISSING;
+    if (is_stored(s, &name)) OLX_TRY(load_unit(s, stage, unit, &fate));
+    if (fate == UNIT_LOADED) continue;
+    if (olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
+    OLX_TRY(make_unit(s, stage, unit, fate));
   }
   return OLX_OK;
 }
@@ -276,30 +304,30 @@ olx_result olx_units_await(olx_unit_store *s, const olx_unit_stage *stage) {
 olx_result olx_units_load(olx_unit_store *s, const olx_unit_stage *stage) {
   uint32_t absent = 0;
   for (uint32_t unit = 0; unit < stage->count; unit++) {
-    bool missing;
-    OLX_TRY(load_unit(s, stage, unit, &missing));
-    absent += missing;
+    unit_fate fate;
+    OLX_TRY(load_unit(s, stage, unit, &fate));
+    if (fate == UNIT_UNREADABLE) return OLX_ERROR_FILE;
+    absent += fate != UNIT_LOADED;
   }
   return absent > 0 ? refuse_missing(s, stage, absent) : OLX_OK;
 }
 
 olx_result olx_unit_once(olx_unit_store *s, const olx_unit_stage *stage) {
   const olx_unit_name name = name_of(stage, 0);
-  bool missing = !is_stored(s, &name), mine = !olx_unit_store_joins(s), damaged = false;
+  unit_fate fate = UNIT_MISSING;
+  bool stored = is_stored(s, &name), mine = !olx_unit_store_joins(s);
   if (olx_unit_store_is_part(s)) {
     const olx_unit_deal deal = deal_of(s, stage);
     mine = olx_unit_is_dealt(&deal, 0);
   }
-  if (missing && !mine) {
+  if (!stored && !mine) {
     OLX_TRY(olx_units_await(s, stage));
-    missing = false;
+    stored = true;
   }
-  if (!missing) {
-    OLX_TRY(load_unit(s, stage, 0, &missing));
-    damaged = missing;
-  }
-  if (!missing) return OLX_OK;
-  return mine ? make_unit(s, stage, 0, damaged) : refuse_missing(s, stage, 1);
+  if (stored) OLX_TRY(load_unit(s, stage, 0, &fate));
+  if (fate == UNIT_LOADED) return OLX_OK;
+  if (mine) return make_unit(s, stage, 0, fate);
+  return fate == UNIT_UNREADABLE ? OLX_ERROR_FILE : refuse_missing(s, stage, 1);
 }
 
 // ---- The mark of the stage for which parts wait
@@ -351,9 +379,9 @@ static olx_result refuse_units_of_others(olx_unit_store *s, const olx_unit_stage
 olx_result olx_units_heed_mark(olx_unit_store *s) {
   awaited_units awaited = {.count = 0};
   const olx_unit_stage mark = mark_of(&awaited);
-  bool missing;
+  unit_fate fate;
   if (!uses_marks(s) || !olx_units_have(s, &mark)) return OLX_OK;
-  OLX_TRY(load_unit(s, &mark, 0, &missing));
+  OLX_TRY(load_unit(s, &mark, 0, &fate));
   const olx_unit_stage stage = {
       .name = awaited.stage, .round = awaited.round, .count = awaited.count, .parts = awaited.parts};
   return refuse_units_of_others(s, &stage);

@@ -15,11 +15,13 @@ typedef struct olx_unit_store olx_unit_store;
 // The report of a finished unit.
 typedef struct olx_unit_done {
   olx_unit_name name;
-  uint32_t count;  // number of units in its stage and round
-  bool found;      // loaded; otherwise computed
-  const char *why; // why it was computed: "new", "damaged", or the parts of the scene that changed; "" when loaded
-  double seconds;  // time to compute or load it
-  uint64_t bytes;  // size of its result; 0 where it was not stored
+  uint32_t count; // number of units in its stage and round
+  bool found;     // loaded; otherwise computed
+  const char
+      *why; // why it was computed: "new", "damaged", "unreadable", or the parts of the scene that changed; "" when
+            // loaded
+  double seconds; // time to compute or load it
+  uint64_t bytes; // size of its result; 0 where it was not stored
 } olx_unit_done;
 
 typedef struct olx_unit_store_settings {
@@ -27,7 +29,8 @@ typedef struct olx_unit_store_settings {
   const olx_manifest *manifest; // NULL: join the units in the folder
   bool fresh;                   // discard the units in the folder
   bool edited;                  // accept a folder whose bake differs in parts of the scene, and reuse what still holds
-  uint64_t limit_bytes;         // most bytes that a whole bake stores; a part fails beyond it; 0: no limit
+  uint64_t limit_bytes;         // most bytes that a whole bake stores; a part fails beyond it, and both do the same
+                                // where the disk is full; 0: no limit
   uint32_t part, parts;         // share to compute, from 1 to `parts`; 0: a whole bake
   void (*done)(void *user, const olx_unit_done *unit); // may be NULL; called on the thread that runs stages
   bool (*wait)(void *user, double waited_seconds);     // olx_bake_work.wait; NULL: a part never waits
@@ -72,12 +75,15 @@ void olx_units_forget(olx_unit_store *store, const char *stage, uint32_t first_r
 
 // Runs a stage. A whole bake loads or computes every unit, in order. A part computes those of its own units that are
 // missing, and loads none; it returns OLX_ERROR_INCOMPLETE when units of others are missing. A damaged file is named in
-// a warning and its unit recomputed, but joining returns OLX_ERROR_CHECKSUM. store may be NULL.
+// a warning and removed, and its unit recomputed, but joining returns OLX_ERROR_CHECKSUM. A file that cannot be read is
+// named and its unit recomputed, too, but the file stays until that replaces it, and joining returns OLX_ERROR_FILE.
+// store may be NULL.
 olx_result olx_units_make(olx_unit_store *store, const olx_unit_stage *stage);
 // Waits until every unit of a stage is stored. Returns OLX_ERROR_INCOMPLETE when some are missing and the
 // store may not wait for them. store may be NULL.
 olx_result olx_units_await(olx_unit_store *store, const olx_unit_stage *stage);
 // Loads every unit of a complete stage. A part needs it to read the units that olx_units_make left to others.
+// OLX_ERROR_INCOMPLETE when some are missing or were damaged; OLX_ERROR_FILE when one, which stays, cannot be read.
 olx_result olx_units_load(olx_unit_store *store, const olx_unit_stage *stage);
 // Stores unit 0 of a stage that was computed as a part of another unit; it is not reported. store may be NULL.
 olx_result olx_unit_keep(olx_unit_store *store, const olx_unit_stage *stage);

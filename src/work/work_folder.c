@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16 };
+enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16, ENDS_EARLY = -1 };
 
 #define SUFFIX ".unit"
 #define MAGIC "OLXUNIT1"
@@ -30,6 +30,7 @@ struct olx_work_folder {
   uint64_t key; // hash of the manifest without the parts of the scene
   olx_scene_parts edited;
   uint64_t bytes;
+  bool full; // the last result to be stored found no space
 };
 
 // The header of a unit's file.
@@ -263,6 +264,7 @@ static uint64_t stored_bytes(const olx_work_folder *f, const olx_unit_name *name
 olx_result olx_work_folder_put(olx_work_folder *f, const olx_unit_name *name, const void *data, size_t size_bytes) {
   const uint64_t replaced = stored_bytes(f, name);
   const int error = write_unit(f, name, data, size_bytes);
+  f->full = error == ENOSPC || error == EDQUOT;
   if (error) {
     char file[NAME_BYTES];
     file_of(name, file);
@@ -280,16 +282,17 @@ void olx_work_folder_drop(olx_work_folder *f, const olx_unit_name *name) {
   if (is_file(f, file, &status)) unlinkat(f->descriptor, file, 0);
 }
 
-static bool read_all(int descriptor, void *data, size_t size_bytes) {
+// Returns 0, ENDS_EARLY, or the error number.
+static int read_all(int descriptor, void *data, size_t size_bytes) {
   char *bytes = data;
   while (size_bytes > 0) {
     const ssize_t got = read(descriptor, bytes, size_bytes);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
+    if (got <= 0) return got < 0 ? errno : ENDS_EARLY;
     bytes += got;
     size_bytes -= (size_t)got;
   }
-  return true;
+  return 0;
 }
 
 // Returns whether a header is undamaged, of whichever scene.
@@ -303,7 +306,7 @@ static int open_unit(const olx_work_folder *f, const char *file) {
   return openat(f->descriptor, file, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
 }
 
-// A damaged header counts as stored: reading the unit reports it.
+// A header that is damaged or cannot be read counts as stored: reading the unit reports it.
 olx_unit_state olx_work_folder_look(const olx_work_folder *f, const olx_unit_name *name) {
   char file[NAME_BYTES];
   struct stat status;
@@ -313,7 +316,7 @@ olx_unit_state olx_work_folder_look(const olx_work_folder *f, const olx_unit_nam
   const int descriptor = open_unit(f, file);
   if (descriptor < 0) return OLX_UNIT_STORED;
   const bool stale =
-      read_all(descriptor, &header, sizeof header) && is_header(name, &header) && header.key != key_of(f, name);
+      read_all(descriptor, &header, sizeof header) == 0 && is_header(name, &header) && header.key != key_of(f, name);
   close(descriptor);
   return stale ? OLX_UNIT_STALE : OLX_UNIT_STORED;
 }
@@ -322,31 +325,43 @@ bool olx_work_folder_has(const olx_work_folder *f, const olx_unit_name *name) {
   return olx_work_folder_look(f, name) == OLX_UNIT_STORED;
 }
 
+// Explains why a file was not read whole. One that cannot be read now is not damaged for all that.
+static olx_result refuse_file(const char *path, int error) {
+  if (error == 0 || error == ENDS_EARLY) return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+  return olx_fail(OLX_ERROR_FILE, "%s: cannot read: %s", path, strerror(error));
+}
+
 // Reads the bytes after a header that is valid.
 static olx_result read_content(int descriptor, const unit_header *h, const char *path, void **data) {
   *data = olx_allocate(h->size_bytes, 1);
   if (!*data)
     return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)h->size_bytes);
-  const bool whole = read_all(descriptor, *data, h->size_bytes);
-  if (whole && olx_checksum_holds(olx_content_hash(*data, h->size_bytes), h->hash)) return OLX_OK;
+  const int error = read_all(descriptor, *data, h->size_bytes);
+  if (!error && olx_checksum_holds(olx_content_hash(*data, h->size_bytes), h->hash)) return OLX_OK;
   olx_release(*data);
   *data = NULL;
-  return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+  return refuse_file(path, error);
 }
 
 static olx_result read_unit(const olx_work_folder *f, const olx_unit_name *name, bool stale, int descriptor,
                             const char *path, void **data, size_t *size_bytes) {
   unit_header header;
   struct stat status;
-  if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return olx_fail(OLX_ERROR_FILE, "%s: not a regular file", path);
-  }
-  const bool whole = read_all(descriptor, &header, sizeof header) && is_header(name, &header) &&
-                     (uint64_t)status.st_size == sizeof header + header.size_bytes;
-  if (!whole) return olx_fail(OLX_ERROR_CHECKSUM, "%s: is damaged", path);
+  if (fstat(descriptor, &status) != 0) return refuse_file(path, errno);
+  if (!S_ISREG(status.st_mode)) return olx_fail(OLX_ERROR_INCOMPLETE, "%s: not a regular file", path);
+  const int error = read_all(descriptor, &header, sizeof header);
+  const bool whole =
+      !error && is_header(name, &header) && (uint64_t)status.st_size == sizeof header + header.size_bytes;
+  if (!whole) return refuse_file(path, error);
   if (stale != (header.key != key_of(f, name))) return olx_fail(OLX_ERROR_INCOMPLETE, "%s: is of another scene", path);
   *size_bytes = header.size_bytes;
   return read_content(descriptor, &header, path, data);
+}
+
+// What is no file, such as a link, counts as no unit.
+static olx_result refuse_open(const char *path, int error) {
+  const bool absent = error == ENOENT || error == ELOOP;
+  return olx_fail(absent ? OLX_ERROR_INCOMPLETE : OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(error));
 }
 
 static olx_result get(const olx_work_folder *f, const olx_unit_name *name, bool stale, void **data,
@@ -357,7 +372,7 @@ static olx_result get(const olx_work_folder *f, const olx_unit_name *name, bool 
   *data = NULL;
   *size_bytes = 0;
   const int descriptor = open_unit(f, file);
-  if (descriptor < 0) return olx_fail(OLX_ERROR_FILE, "%s: cannot open: %s", path, strerror(errno));
+  if (descriptor < 0) return refuse_open(path, errno);
   const olx_result result = read_unit(f, name, stale, descriptor, path, data, size_bytes);
   close(descriptor);
   return result;
@@ -420,6 +435,8 @@ static olx_result read_manifest(olx_work_folder *f) {
   olx_manifest manifest = {""};
   f->key = 0;
   const olx_result result = olx_work_folder_get(f, &manifest_name, &data, &size_bytes);
+  if (result == OLX_ERROR_FILE) return result;
+  if (result == OLX_ERROR_INCOMPLETE) return olx_fail(OLX_ERROR_FILE, "%s", olx_last_error());
   if (result != OLX_OK) {
     return olx_fail(result, "%s; nothing says what the folder's other files are: remove it by hand", olx_last_error());
   }
@@ -567,13 +584,16 @@ void olx_work_folder_remove(olx_work_folder *f) {
   olx_work_folder_close(f);
 }
 
-static bool has_key(const olx_work_folder *f, const char *file) {
+// Returns whether a unit may hold for this scene, as one that cannot be read now.
+static bool may_hold(const olx_work_folder *f, const char *file) {
   unit_header header;
   const int descriptor = open_unit(f, file);
-  const bool whole = descriptor >= 0 && read_all(descriptor, &header, sizeof header);
-  if (descriptor >= 0) close(descriptor);
+  if (descriptor < 0) return true;
+  const int error = read_all(descriptor, &header, sizeof header);
+  close(descriptor);
+  if (error) return error != ENDS_EARLY;
   const uint32_t count = parts_of(&f->manifest).count;
-  for (olx_scene_parts parts = 0; whole && parts < 1u << count; parts++) {
+  for (olx_scene_parts parts = 0; parts < 1u << count; parts++) {
     if (header.key == key_of(f, &(olx_unit_name){.parts = parts})) return true;
   }
   return false;
@@ -586,7 +606,7 @@ void olx_work_folder_tidy(olx_work_folder *f) {
   for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
     struct stat status;
     const bool unit = is_named(f, entry->d_name) && is_file(f, entry->d_name, &status);
-    if (unit && !is_manifest(entry->d_name) && !has_key(f, entry->d_name)) unlinkat(f->descriptor, entry->d_name, 0);
+    if (unit && !is_manifest(entry->d_name) && !may_hold(f, entry->d_name)) unlinkat(f->descriptor, entry->d_name, 0);
   }
   if (entries) closedir(entries);
 }
@@ -594,3 +614,4 @@ void olx_work_folder_tidy(olx_work_folder *f) {
 olx_scene_parts olx_work_folder_edited(const olx_work_folder *f) { return f->edited; }
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *f) { return &f->manifest; }
 uint64_t olx_work_folder_bytes(const olx_work_folder *f) { return f->bytes; }
+bool olx_work_folder_is_full(const olx_work_folder *f) { return f->full; }

@@ -90,8 +90,11 @@ olx_unit_state olx_work_folder_look(const olx_work_folder *folder, const olx_uni
 bool olx_work_folder_has(const olx_work_folder *folder, const olx_unit_name *name);
 // Stores the result of a unit, in place of an existing one.
 olx_result olx_work_folder_put(olx_work_folder *folder, const olx_unit_name *name, const void *data, size_t size_bytes);
-// Reads the result of a unit; the caller releases *data with olx_release. Returns OLX_ERROR_FILE when there is none,
-// OLX_ERROR_INCOMPLETE when it is stale, OLX_ERROR_CHECKSUM when it is damaged. Messages name the file.
+// Returns whether the result that was stored last found no space on the disk, or within the user's quota.
+bool olx_work_folder_is_full(const olx_work_folder *folder);
+// Reads the result of a unit; the caller releases *data with olx_release. Returns OLX_ERROR_INCOMPLETE when there is
+// none or it is stale, OLX_ERROR_CHECKSUM when it is damaged, OLX_ERROR_FILE when it cannot be read, for which another
+// time may be better. Messages name the file.
 olx_result olx_work_folder_get(const olx_work_folder *folder, const olx_unit_name *name, void **data,
                                size_t *size_bytes);
 // Reads the result of a unit that was computed for another scene; the caller releases *data with olx_release, which is

@@ -1,6 +1,7 @@
 // Imitates a disk with faults when it is preloaded: after OCTALUX_DISK_BYTES bytes, writes to regular files fail, as on
-// a full disk or with the error number OCTALUX_DISK_ERROR. With OCTALUX_SHORT_WRITES every write takes only the first
-// half of its bytes. Space cannot be reserved beforehand.
+// a full disk or with the error number OCTALUX_DISK_ERROR; with OCTALUX_DISK_FOLDER only to files whose path has these
+// words. With OCTALUX_SHORT_WRITES every write takes only the first half of its bytes. Space cannot be reserved
+// beforehand.
 //
 // OCTALUX_SYNCS counts the calls of fsync that succeed. Then, with OCTALUX_POWER_LOSS, the power goes: the process
 // ends, files lose half of what was written since they were last synced, and renames since their folder was last synced
@@ -11,6 +12,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -31,9 +33,18 @@ static int is_file(int descriptor) {
   return fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+// Returns whether a file is on the disk with faults. Files without a name have a path, too.
+static bool is_on_disk(int descriptor) {
+  const char *folder = getenv("OCTALUX_DISK_FOLDER");
+  char link[64], path[LONGEST_PATH] = "";
+  if (!folder) return true;
+  snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  return readlink(link, path, sizeof path - 1) > 0 && strstr(path, folder);
+}
+
 static int fails(int descriptor, size_t size_bytes) {
   const char *limit = getenv("OCTALUX_DISK_BYTES"), *error = getenv("OCTALUX_DISK_ERROR");
-  if (!limit || !is_file(descriptor)) return 0;
+  if (!limit || !is_file(descriptor) || !is_on_disk(descriptor)) return 0;
   if (atomic_fetch_add(&written, (long long)size_bytes) + (long long)size_bytes <= atoll(limit)) return 0;
   errno = error ? atoi(error) : ENOSPC;
   return 1;

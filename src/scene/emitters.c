@@ -246,6 +246,8 @@ static bool sample_light(const olx_scene *scene, uint32_t index, olx_vec3 positi
     if (!(distance > 0.0f)) return false;
     sample->direction = olx_scale(way, 1.0f / distance);
     sample->target = light->position;
+    // A surface that the lamp lies on, as a ceiling with a recessed spot, does not shadow it.
+    sample->epsilon_end = olx_place_epsilon(scene, light->position);
     strength = 1.0f / olx_square(distance);
     if (light->type == OLX_LIGHT_SPOT) {
       strength *=

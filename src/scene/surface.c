@@ -75,15 +75,21 @@ static olx_vec3 tint_at(const olx_scene *scene, const olx_material *material, co
 
 static float largest_coordinate(olx_vec3 p) { return olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))); }
 
-float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle) {
-  const olx_corners c = corners_of(scene, triangle);
-  const float of_triangle =
-      olx_max(largest_coordinate(c.p0), olx_max(largest_coordinate(c.p1), largest_coordinate(c.p2)));
+// Returns the error bound of what has coordinates up to `largest`.
+static float epsilon_of(const olx_scene *scene, float largest) {
   const float of_scene = olx_max(largest_coordinate(scene->bounds_min), largest_coordinate(scene->bounds_max));
   // 2^-18 is about sixty rounding errors. A small triangle near the origin may have large neighbours, whose planes are
   // only as precise as their own coordinates: hence the share of the scene's.
-  return 0x1p-18f * olx_max(of_triangle, of_scene * 0x1p-4f);
+  return 0x1p-18f * olx_max(largest, of_scene * 0x1p-4f);
 }
+
+float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle) {
+  const olx_corners c = corners_of(scene, triangle);
+  const float of_two = olx_max(largest_coordinate(c.p1), largest_coordinate(c.p2));
+  return epsilon_of(scene, olx_max(largest_coordinate(c.p0), of_two));
+}
+
+float olx_place_epsilon(const olx_scene *scene, olx_vec3 place) { return epsilon_of(scene, largest_coordinate(place)); }
 
 static bool has_texture(uint32_t texture) { return texture != OLX_NO_TEXTURE; }
 

@@ -49,6 +49,8 @@ olx_vec3 olx_surface_emission(const olx_scene *scene, uint32_t triangle, float u
 // Returns the error bound of points computed on the triangle: a share of its largest coordinate, never an absolute
 // length.
 float olx_surface_epsilon(const olx_scene *scene, uint32_t triangle);
+// Returns the same bound for a single place, such as that of a lamp which lies exactly on a surface.
+float olx_place_epsilon(const olx_scene *scene, olx_vec3 place);
 
 // Returns a ray that leaves `position` on the side of the geometric normal that `direction` points to, without hitting
 // its own surface.

@@ -8,8 +8,9 @@ enum { ALL_RAYS = 1 << 17 };
 
 static void look(const void *user, olx_vec3 from, const olx_vec3 *directions, uint32_t count, olx_lamp_sight *sights) {
   const olx_scene *scene = user;
+  const float epsilon = olx_place_epsilon(scene, from); // a surface that the lamp lies on is not in its way
   for (uint32_t i = 0; i < count; i++) {
-    const olx_ray ray = {from, directions[i], 0.0f, INFINITY};
+    const olx_ray ray = {from, directions[i], epsilon, INFINITY};
     const olx_ray_hit hit = olx_bvh_intersect(scene->light_bvh, &ray);
     sights[i] = (olx_lamp_sight){.distance = INFINITY};
     if (hit.triangle == OLX_NO_HIT) continue;

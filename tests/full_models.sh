@@ -18,7 +18,7 @@ print(*(scene[k] for k in ("triangles", "materials", "textures", "lights", "came
   [ "$counts" = "$expected" ] || { echo "$model: FAILED: $counts, expected $expected"; failed=1; }
   count=$((count + 1))
 done <<'TABLE'
-bathroom/bathroom.gltf 290545 27 7 1 1
+bathroom/bathroom.gltf 303345 27 7 1 1
 bevy-examples/cornell-box-556.glb 36 5 0 1 0
 bevy-examples/irradiance-volume-example.glb 32 4 0 0 0
 bevy-examples/shed.gltf 360 1 0 1 0
@@ -26,19 +26,19 @@ breakfast-room/breakfast-room.gltf 158766 15 3 0 1
 cornell-box/CornellBox-Original.obj 36 8 0 1 0
 cornell-box/CornellBox-Glossy.obj 1112 8 0 1 0
 cornell-box/CornellBox-Sphere.obj 2188 8 0 1 0
-fireplace-room/fireplace-room.gltf 86547 17 4 0 1
+fireplace-room/fireplace-room.gltf 97713 17 4 0 1
 godot-rooms/room.gltf 63720 2 0 0 0
 godot-rooms/rooms-3x1.gltf 6072 3 0 0 0
-kitchen/kitchen.gltf 300462 62 11 0 1
+kitchen/kitchen.gltf 301466 62 11 0 1
 living-room/living_room.obj 28656 41 16 1 0
-lumen-cornell/occluded.obj 2028 6 0 1 0
+lumen-cornell/occluded.obj 3948 6 0 1 0
 pandora/pandora.gltf 60694 11 0 1 0
 small-house/small-house.gltf 94823 35 31 0 0
 sponza/sponza.gltf 262266 25 24 0 0
-staircase/staircase.gltf 205692 23 9 1 1
+staircase/staircase.gltf 213804 23 9 1 1
 test-room/test_room.obj 152 2 0 0 0
 veach-ajar/veach-ajar.gltf 4484 10 4 1 1
-white-room/white-room.gltf 236339 43 13 3 1
+white-room/white-room.gltf 237299 43 13 3 1
 TABLE
 echo "$count models"
 [ "$count" -gt 0 ] || exit 77

@@ -532,6 +532,14 @@ static olx_scene *room_below_the_sky(void) {
   return made_finish(scene);
 }
 
+// Returns one of `count` places of the wall at x < 0, within a height and a width around its middle.
+static olx_surface wall_at(const olx_scene *scene, float height, float width, uint32_t i, uint32_t count) {
+  const olx_vec2 uv = olx_hammersley(i, count);
+  const olx_ray ray = {olx_v3(0, height * (uv.x - 0.5f), width * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
+  const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+  return olx_surface_at(scene, &hit, ray.direction);
+}
+
 // Surfaces a metre or two from a lamp are not near it, however far its rays into the sky may go.
 static void a_lamp_below_the_sky_loses_no_light(void **state) {
   (void)state;
@@ -540,10 +548,7 @@ static void a_lamp_below_the_sky_loses_no_light(void **state) {
   olx_scene_light *light = solve_fixture(scene, 0.02f);
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < WALL_POINTS; i++) {
-    const olx_vec2 uv = olx_hammersley(i, WALL_POINTS);
-    const olx_ray ray = {olx_v3(0, 1.9f * (uv.x - 0.5f), 3.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    const olx_surface wall = wall_at(scene, 1.9f, 3.8f, i, WALL_POINTS);
     uint64_t rays = 0;
     wanted += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
     found += (double)olx_luminance(olx_scene_light_irradiance(light, &wall));
@@ -693,10 +698,7 @@ static void gathers_beside_a_dark_surfel_keep_their_light(void **state) {
   const olx_passed_light passed = {parts.direct, all, 32};
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < PLACES; i++) {
-    const olx_vec2 uv = olx_hammersley(i, PLACES);
-    const olx_ray ray = {olx_v3(0, 1.9f * (uv.x - 0.5f), 3.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    const olx_surface wall = wall_at(scene, 1.9f, 3.8f, i, PLACES);
     uint64_t rays = 0;
     wanted += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
     for (uint32_t seed = 0; seed < SEEDS; seed++) {
@@ -737,10 +739,7 @@ static room_light light_below_a_pane(float alpha) {
   olx_scene_light *light = solve_fixture(scene, 0.02f);
   uint64_t rays = 0;
   for (uint32_t i = 0; i < ROOM_POINTS; i++) {
-    const olx_vec2 uv = olx_hammersley(i, ROOM_POINTS);
-    const olx_ray ray = {olx_v3(0, 1.8f * (uv.x - 0.5f), 1.8f * (uv.y - 0.5f)), olx_v3(-1, 0, 0), 0.0f, INFINITY};
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+    const olx_surface wall = wall_at(scene, 1.8f, 1.8f, i, ROOM_POINTS);
     sum.solved += (double)olx_luminance(olx_scene_light_irradiance(light, &wall));
     sum.traced += (double)olx_luminance(olx_path_surface_irradiance(scene, &wall, 32, PATHS, i, &rays));
   }

@@ -160,7 +160,7 @@ typedef struct olx_material {
   olx_vec3 emission;     // radiance
   bool emits_both_sides;
   float alpha_cutoff;                  // surfaces with a smaller alpha are absent; 0: none are
-  bool blended;                        // rays of light pass by 1 - alpha; alpha_cutoff holds for what probes see
+  bool blended;                        // a share 1 - alpha of light passes; alpha_cutoff decides what probes see
   float alpha;                         // multiplies the texture's alpha
   uint32_t base_color_texture;         // RGB colour, A alpha
   uint32_t alpha_texture;              // an alpha channel of its own (MTL map_d, in R), or none

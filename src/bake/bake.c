@@ -375,7 +375,8 @@ olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *set
   return OLX_OK;
 }
 
-// Returns the brightest irradiance, or radiance of a surface, that the scene's lights alone bring, in W/m^2 (sr).
+// Returns the largest channel of what lights bring by themselves: the irradiance of all suns together, or the radiance
+// of the sky or of a shining material. A sky with an image does not count.
 static float brightest_light(const olx_scene *scene) {
   olx_vec3 suns = {0};
   float emission = olx_max3(scene->environment.texels ? olx_splat(0.0f) : scene->environment.radiance);
@@ -395,11 +396,11 @@ static void warn_about_light(const olx_scene *scene) {
   }
   const float brightest = brightest_light(scene);
   if (brightest > OLX_RGB9E5_MOST) {
-    olx_log(
-        OLX_LOG_WARNING,
-        "a sun or a shining material brings %g W/m2, and a field holds at most %g, so that bright light will be cut: "
-        "divide all lights of the scene by a factor, and its exposure, too",
-        (double)brightest, (double)OLX_RGB9E5_MOST);
+    olx_log(OLX_LOG_WARNING,
+            "a sun, the sky or a shining material brings %g W/m2, and a field holds at most %g, so that bright light "
+            "will be "
+            "cut: divide all lights of the scene by a factor, and multiply the exposure by it",
+            (double)brightest, (double)OLX_RGB9E5_MOST);
   }
 }
 

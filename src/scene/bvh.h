@@ -1,6 +1,6 @@
 // Casts rays against the scene's triangles (Embree). Rays pass through masked-out parts of alpha-masked surfaces. A
 // scene has two handles of one structure: rays of `bvh` find what probes see and places can be in, those of `light_bvh`
-// follow light, which blended surfaces let through in part (olx_surface_stops_light).
+// follow light, which passes blended surfaces in part (olx_surface_stops_light).
 #ifndef OLX_SCENE_BVH_H
 #define OLX_SCENE_BVH_H
 

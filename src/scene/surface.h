@@ -37,8 +37,8 @@ olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hi
 
 // Returns whether the triangle's surface is opaque at those barycentric coordinates (alpha mask).
 bool olx_surface_present(const olx_scene *scene, uint32_t triangle, float u, float v);
-// Returns whether the surface is there for rays of light: of a blended material a share alpha of all points is, chosen
-// by a hash of the point, so that a surface is a screen of fine holes, the same for all rays.
+// Returns whether the surface stops a ray of light at a point. A surface of a blended material is a screen of fine holes
+// for such rays: a hash of the point decides, and a share alpha of all points stops them.
 bool olx_surface_stops_light(const olx_scene *scene, uint32_t triangle, float u, float v);
 // Returns the share of light that the surface stops: alpha of a blended material, else 1 or 0.
 float olx_surface_opacity(const olx_scene *scene, uint32_t triangle, float u, float v);

@@ -41,7 +41,7 @@ static inline bool olx_material_absent(const olx_material *material) {
   return material->blended ? !(material->alpha > 0.0f) : material->alpha < material->alpha_cutoff;
 }
 
-// Makes a material one of partial opacity. What probes see of it is at least half opaque.
+// Makes a material one of partial opacity, of which probes see only what is at least half opaque.
 void olx_import_blend(olx_material_import *import, olx_material *material);
 
 #endif

@@ -14,7 +14,7 @@ view=(--camera sofa --size 160x120)
   holds 'probes == 64'
 "$OCTALUX" audit "$description" --field "$work/field.olx" --camera sofa --points 500 --json 2>/dev/null |
   holds 'rays["count"] == 200000 and rays["unresolved_seen"] <= 0.007 and rays["wrong_seen"] <= 0.02 and rays["unresolved"] <= rays["unseen"] + 0.008'
-"$OCTALUX" render "$description" -o "$work/path.exr" --method path --bounces 4 --spp 256 "${view[@]}" 2>/dev/null
+"$OCTALUX" render "$description" -o "$work/path.exr" --method path --field "$work/field.olx" --spp 256 "${view[@]}" 2>/dev/null
 "$OCTALUX" render "$description" -o "$work/irradiance.exr" --field "$work/field.olx" --spp 8 --diffuse irradiance "${view[@]}" 2>/dev/null
 "$OCTALUX" compare "$work/irradiance.exr" "$work/path.exr" --layer indirect_diffuse --json |
   holds 'layers["indirect_diffuse"]["relative_mse"] <= 0.10 and abs(layers["indirect_diffuse"]["bias"]) <= 0.10'

@@ -6,9 +6,10 @@
 // UNITS.jsonl is what `octalux bake --fresh --keep-work --progress=json` printed. The stages follow each other as
 // there. A stage's further units take what measured units took, chosen at random; light field probes number PROBES, and
 // what is computed for all probes at once grows with them, unless PLAN_SECONDS tells what the plan takes. The light of
-// the scene grows like the probes until its links fill the two gibibytes that they may take. Each node reads and writes
+// the scene grows like the probes until its links fill the memory that they may take. Each node reads and writes
 // MB_A_SECOND (default 500) and loads the scene for LOADING_SECONDS (default 5). CLOCK_FACTOR is for units that were
 // timed on a busy machine: the processor time of that bake as a share of its time by the clock.
+#include "light/scene_light.h"
 #include "options.h"
 #include "studies.h"
 #include "work/unit_deal.h"
@@ -22,7 +23,6 @@ static const char NAME[] = BENCH_PROGRAM " farm-simulation";
 
 enum { MOST_STAGES = 64, MOST_NODES = 1 << 12, LONGEST_NAME = 16 };
 
-#define MOST_LINK_BYTES 0x1p31
 #define SHORTEST_PAUSE_SECONDS 0.001 // between two looks at what a node waits for, as octalux-bake-mpi does
 #define LONGEST_PAUSE_SECONDS 0.1
 
@@ -70,8 +70,12 @@ typedef struct simulation {
 // ---- What was measured
 
 static stage_kind kind_of(const char *name) {
+  static const char *const of_light[] = {"cast", "direct", "final", "record"};
   if (strcmp(name, "plan") == 0 || strcmp(name, "light") == 0) return STAGE_ONCE;
-  return strcmp(name, "cast") == 0 || strcmp(name, "direct") == 0 ? STAGE_AWAIT : STAGE_SHARE;
+  for (size_t i = 0; i < sizeof of_light / sizeof *of_light; i++) {
+    if (strcmp(name, of_light[i]) == 0) return STAGE_AWAIT;
+  }
+  return STAGE_SHARE;
 }
 
 static sim_stage *stage_for(simulation *s, const char *name, uint32_t round) {
@@ -132,7 +136,8 @@ static double link_bytes(const simulation *s) {
 // Sets how many units each stage of the large bake has, and what one costs.
 static bool scale(simulation *s, double probes, double plan_seconds) {
   const double ratio = probes / s->stages[s->stage_count - 1].measured;
-  const double room = fmax(1.0, MOST_LINK_BYTES / fmax(1.0, link_bytes(s)));
+  const double most_link_bytes = (double)olx_scene_light_most_link_bytes();
+  const double room = fmax(1.0, most_link_bytes / fmax(1.0, link_bytes(s)));
   const double surface = fmin(ratio, room);
   for (uint32_t i = 0; i < s->stage_count; i++) {
     sim_stage *stage = &s->stages[i];

@@ -6,10 +6,28 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
+static size_t round_up(size_t size_bytes, size_t alignment) {
+  return (size_bytes + alignment - 1) / alignment * alignment;
+}
+
+// Large arrays lie in huge pages where the system has them: rays read textures, surfels and their tables from all over,
+// and addresses of small pages would be looked up anew each time. Only whole huge pages are asked for, so that no more
+// memory is used.
 static void *default_allocate(void *user, size_t size_bytes) {
   (void)user;
-  return aligned_alloc(64, (size_bytes + 63) & ~(size_t)63);
+#ifdef MADV_HUGEPAGE
+  enum { HUGE_PAGE = 2 << 20, LEAST_PAGES = 2 };
+  if (size_bytes >= (size_t)LEAST_PAGES * HUGE_PAGE) {
+    void *memory = aligned_alloc(HUGE_PAGE, round_up(size_bytes, HUGE_PAGE));
+    if (memory) (void)madvise(memory, size_bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+    return memory;
+  }
+#endif
+  return aligned_alloc(64, round_up(size_bytes, 64));
 }
 
 static void default_release(void *user, void *memory) {

@@ -334,6 +334,44 @@ olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx
   return surface;
 }
 
+static void prefetch_vertices(const olx_scene *scene, uint32_t triangle) {
+  for (uint32_t k = 0; k < 3; k++) {
+    const uint32_t vertex = scene->indices[3 * (size_t)triangle + k];
+    __builtin_prefetch(&scene->positions[vertex]);
+    __builtin_prefetch(&scene->normals[vertex]);
+    if (scene->uvs) __builtin_prefetch(&scene->uvs[vertex]);
+  }
+}
+
+static void prefetch_texels(const olx_scene *scene, const olx_ray_hit *hit) {
+  const olx_material *material = &scene->materials[scene->material_index[hit->triangle]];
+  const olx_corners c = corners_of(scene, hit->triangle);
+  const olx_place_uvs uvs = uvs_at(scene, material, &c, hit->u, hit->v);
+  const uint32_t textures[] = {material->base_color_texture, material->metallic_roughness_texture,
+                               material->normal_texture, material->emission_texture};
+  const olx_texture_slot slots[] = {OLX_SLOT_BASE_COLOR, OLX_SLOT_METALLIC_ROUGHNESS, OLX_SLOT_NORMAL,
+                                    OLX_SLOT_EMISSION};
+  for (uint32_t i = 0; i < 4; i++) {
+    if (has_texture(textures[i])) {
+      olx_texture_prefetch(&scene->textures[textures[i]], uv_for(material, slots[i], uvs));
+    }
+  }
+}
+
+void olx_surfaces_prefetch(const olx_scene *scene, const olx_ray_hit *hits, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) {
+    if (hits[i].triangle == OLX_NO_HIT) continue;
+    __builtin_prefetch(&scene->indices[3 * (size_t)hits[i].triangle]);
+    __builtin_prefetch(&scene->material_index[hits[i].triangle]);
+  }
+  for (uint32_t i = 0; i < count; i++) {
+    if (hits[i].triangle != OLX_NO_HIT) prefetch_vertices(scene, hits[i].triangle);
+  }
+  for (uint32_t i = 0; i < count; i++) {
+    if (hits[i].triangle != OLX_NO_HIT) prefetch_texels(scene, &hits[i]);
+  }
+}
+
 olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction) {
   return olx_surface_near(scene, hit, direction, NULL);
 }

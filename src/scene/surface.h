@@ -32,6 +32,10 @@ olx_surface olx_surface_at(const olx_scene *scene, const olx_ray_hit *hit, olx_v
 olx_surface olx_surface_near(const olx_scene *scene, const olx_ray_hit *hit, olx_vec3 direction,
                              const olx_surface *previous);
 
+// Has what olx_surface_at reads at many hits brought into the cache; nothing waits for it. Rays that end all over a
+// scene read places of large arrays, each of which would otherwise be waited for.
+void olx_surfaces_prefetch(const olx_scene *scene, const olx_ray_hit *hits, uint32_t count);
+
 // Returns the interpolated vertex normal, without a normal map, at the hit of `surface`, on the same side.
 olx_vec3 olx_surface_vertex_normal(const olx_scene *scene, const olx_ray_hit *hit, const olx_surface *surface);
 

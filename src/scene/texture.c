@@ -103,3 +103,11 @@ olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv) {
   const olx_texel lower = mix_texel(texel_at(texture, x, y + 1), texel_at(texture, x + 1, y + 1), px - fx);
   return mix_texel(upper, lower, py - fy);
 }
+
+void olx_texture_prefetch(const olx_texture *texture, olx_vec2 uv) {
+  const size_t column = (size_t)olx_max(texel_position(uv.x, texture->width), 0.0f),
+               row = (size_t)olx_max(texel_position(uv.y, texture->height), 0.0f);
+  const uint8_t *texel = texture->texels + 4 * (row * texture->width + column);
+  __builtin_prefetch(texel);
+  if (row + 1 < texture->height) __builtin_prefetch(texel + 4 * (size_t)texture->width);
+}

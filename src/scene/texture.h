@@ -18,4 +18,7 @@ olx_texel olx_texture_sample(const olx_texture *texture, olx_vec2 uv);
 // Returns the alpha that olx_texture_sample returns, bit for bit, without the cost of the colour.
 float olx_texture_alpha(const olx_texture *texture, olx_vec2 uv);
 
+// Has the texels of a sample brought into the cache; nothing waits for them.
+void olx_texture_prefetch(const olx_texture *texture, olx_vec2 uv);
+
 #endif

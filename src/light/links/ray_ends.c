@@ -243,6 +243,7 @@ void olx_ray_ends_cast(const olx_ray_caster *c, const olx_surface *surface, cons
     numbers[cast++] = i;
   }
   olx_bvh_intersect_many(c->surfels->scene->light_bvh, rays, cast, false, hits);
+  olx_surfaces_prefetch(c->surfels->scene, hits, cast);
   for (uint32_t k = 0; k < cast; k++) {
     const uint32_t i = numbers[k];
     ends[i] = find_end(c, surface, &draws[i], &rays[k], &hits[k]);

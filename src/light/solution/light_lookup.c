@@ -43,28 +43,16 @@ olx_vec3 olx_light_gather(const olx_scene_light *l, const olx_surface *surface, 
   return olx_scale(sum, 1.0f / (float)batches);
 }
 
-// The standard error that is expected of OLX_GATHER_RAYS rays of a point's own, as a share of the light around it: with
-// rays drawn evenly, and as they are drawn, by the guides of the surfels around it.
-typedef struct expected_error {
-  float even, guided;
-} expected_error;
-
-static expected_error error_at(const olx_scene_light *l, uint32_t surfel) {
-  const float even = olx_scene_light_deviation(l, surfel) / sqrtf(OLX_GATHER_RAYS);
-  return (expected_error){even, even * sqrtf(olx_light_pool(l, surfel)->spread)};
-}
-
-static expected_error error_around(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  float sum = 0.0f;
-  expected_error all = {0.0f, 0.0f};
+// Returns the standard error that is expected of OLX_GATHER_RAYS rays of a point's own, as a share of the light around
+// it.
+static float expected_error(const olx_scene_light *l, const olx_surfel_weights *weights) {
+  float sum = 0.0f, deviation = 0.0f;
   for (uint32_t i = 0; i < weights->count; i++) {
     const float weight = fabsf(weights->weight[i]);
-    const expected_error one = error_at(l, l->records.surfel_of[weights->surfel[i]]);
     sum += weight;
-    all.even += weight * one.even;
-    all.guided += weight * one.guided;
+    deviation += weight * olx_scene_light_deviation(l, l->records.surfel_of[weights->surfel[i]]);
   }
-  return (expected_error){all.even / sum, all.guided / sum};
+  return deviation / (sum * sqrtf(OLX_GATHER_RAYS));
 }
 
 // Returns the number of batches, at most `most`, that bring an error of one batch to a bound.
@@ -79,17 +67,18 @@ static uint32_t batches_wanted(const olx_scene_light *l, float error) {
 }
 
 uint32_t olx_light_record_batches(const olx_scene_light *l, uint32_t surfel) {
-  return batches_to(RECORD_NOISE * l->settings.noise, MOST_RECORD_BATCHES, error_at(l, surfel).guided);
+  const float error = olx_scene_light_deviation(l, surfel) / sqrtf(OLX_GATHER_RAYS);
+  return batches_to(RECORD_NOISE * l->settings.noise, MOST_RECORD_BATCHES, error);
 }
 
 uint32_t olx_light_batches_at(const olx_scene_light *l, const olx_surface *surface) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
-  return weights.count > 0 ? batches_wanted(l, error_around(l, &weights).guided) : 1;
+  return weights.count > 0 ? batches_wanted(l, expected_error(l, &weights)) : 1;
 }
 
 // Returns the standard deviation up to which the light of few neighbours is interpolated, as a share of its mean.
 static float spread_of_few(const olx_scene_light *l, const olx_surfel_weights *weights) {
-  const float error = error_around(l, weights).even, rays = (float)batches_wanted(l, error);
+  const float error = expected_error(l, weights), rays = (float)batches_wanted(l, error);
   return olx_clamp(FEW_NOISE * error / sqrtf(rays), FEW_SPREAD, ROUGH_SPREAD);
 }
 

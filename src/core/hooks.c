@@ -15,8 +15,8 @@ static size_t round_up(size_t size_bytes, size_t alignment) {
 }
 
 // Large arrays lie in huge pages where the system has them: rays read textures, surfels and their tables from all over,
-// and addresses of small pages would be looked up anew each time. Only whole huge pages are asked for, so that no more
-// memory is used.
+// and addresses of small pages would be looked up anew each time. Only the whole huge pages within an array are asked
+// for, so that one whose every byte is used takes no more memory.
 static void *default_allocate(void *user, size_t size_bytes) {
   (void)user;
 #ifdef MADV_HUGEPAGE

@@ -24,7 +24,7 @@ import numpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cycles_import  # noqa: E402
-import exr_file  # noqa: E402
+import exr_picture  # noqa: E402
 
 LARGEST_ALBEDO = 0.95
 MIRROR_ROUGHNESS = 0.03
@@ -422,11 +422,10 @@ def configure(settings):
 
 def write_layers(settings):
     """Octalux's layers from Cycles' passes, which hold light before colour."""
-    channels = exr_file.read(settings["passes"])
+    width, height, channels = exr_picture.read(settings["passes"])
 
     def color(name):
-        found = [channels["ViewLayer.%s.%s" % (name, c)] for c in "RGB"]
-        return numpy.stack(found, axis=-1)
+        return numpy.array([channels["ViewLayer.%s.%s" % (name, c)] for c in "RGB"], dtype=numpy.float32)
 
     seen = color("Emit") + color("Env")
     direct = color("DiffDir") * color("DiffCol") + color("GlossDir") * color("GlossCol")
@@ -440,8 +439,8 @@ def write_layers(settings):
     out = {}
     for layer, values in layers.items():
         for i, c in enumerate("RGB"):
-            out[c if layer == "beauty" else "%s.%s" % (layer, c)] = values[..., i]
-    exr_file.write(settings["output"], out)
+            out[c if layer == "beauty" else "%s.%s" % (layer, c)] = values[i]
+    exr_picture.write(settings["output"], width, height, out)
 
 
 def main():

@@ -6,9 +6,11 @@ by its depth and its normal, and the share of pixels in which they did not. Exit
 """
 import argparse
 import math
+import os
 import sys
 
-import exr_picture
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
+import exr_picture  # noqa: E402
 
 DEPTH = 1e-4  # largest difference of depths, relative
 COSINE = 0.999  # least cosine between the normals

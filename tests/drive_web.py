@@ -15,7 +15,8 @@ import sys
 import threading
 
 import browser
-import exr_picture
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
+import exr_picture  # noqa: E402
 
 SWIFTSHADER = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 WIDTH, HEIGHT = 640, 360

@@ -7,10 +7,12 @@ read_export.py gltf FIELD.olx MODEL.gltf REPORT.json: a sound glTF whose nodes s
 import base64
 import json
 import math
+import os
 import struct
 import sys
 
-import exr_picture
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
+import exr_picture  # noqa: E402
 
 
 def chunks(path):

@@ -3,6 +3,7 @@ import itertools
 import struct
 import zlib
 
+MAGIC, VERSION, LONG_NAMES = 20000630, 2, 0x400
 COMPRESSIONS = {b"\0": 1, b"\3": 16}  # none and ZIP: scanlines in a block
 
 
@@ -42,7 +43,8 @@ def read(path):
     """Width, height, and the values of each channel by its name, rows from the top down."""
     with open(path, "rb") as file:
         data = file.read()
-    assert struct.unpack_from("<II", data) == (20000630, 2), "not a plain EXR"
+    magic, version = struct.unpack_from("<II", data)
+    assert (magic, version & ~LONG_NAMES) == (MAGIC, VERSION), "not a plain EXR"
     attributes, table = read_attributes(data)
     low_x, low_y, high_x, high_y = struct.unpack("<4i", attributes["dataWindow"])
     assert (low_x, low_y) == (0, 0)
@@ -68,7 +70,7 @@ def write(path, width, height, picture):
     names = sorted(picture)
     channels = b"".join(name.encode() + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in names) + b"\0"
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    header = struct.pack("<II", 20000630, 2) + attribute("channels", "chlist", channels)
+    header = struct.pack("<II", MAGIC, VERSION) + attribute("channels", "chlist", channels)
     header += attribute("compression", "compression", b"\0") + attribute("dataWindow", "box2i", window)
     header += attribute("displayWindow", "box2i", window) + attribute("lineOrder", "lineOrder", b"\0")
     header += attribute("pixelAspectRatio", "float", struct.pack("<f", 1)) + attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))

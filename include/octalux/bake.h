@@ -33,7 +33,8 @@ typedef struct olx_bake_unit {
   double seconds;              // seconds of the clock, to compute or to read it
   uint64_t bytes;              // size of its result in the work folder; 0 when it was not kept there
   const char *why; // why it was computed: "new", "damaged", "unreadable", or what changed since it was stored, some of
-                   // "geometry materials lights views"; "" where `found`. Valid during the call
+                   // "geometry materials lights views", or "another scene" where that is no longer known; "" where
+                   // `found`. Valid during the call
 } olx_bake_unit;
 
 // Where a bake stores the results of its units, so that it can continue after it was stopped or killed, or be divided

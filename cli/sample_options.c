@@ -1,4 +1,4 @@
-// The options for sampling a field that `render`, `audit` and `view` share.
+// Holds the options for sampling a field that `render`, `audit` and `view` share.
 #include "sample_options.h"
 
 #include <octalux/sample.h>

@@ -1,6 +1,6 @@
-// Hostile cooked scenes: fuzz_cooked COUNT [SEED] loads COUNT mutated files. Each must become a scene whose numbers are
-// valid, or be refused with a message, and leave no memory behind. Most files have right checksums, so that the checks
-// behind them are reached. Files depend on (seed, round) alone.
+// Loads COUNT mutated cooked scenes: fuzz_cooked COUNT [SEED]. Each must become a scene whose numbers are valid, or be
+// refused with a message, and leave no memory behind. Most files have right checksums, so that the checks behind them
+// are reached. Files depend on (seed, round) alone.
 #include "cooked_scenes.h"
 #include "core/sampling.h"
 #include "counted_memory.h"

@@ -1,4 +1,4 @@
-// Hostile field files: fuzz_field COUNT [SEED [FIRST]]
+// Opens, verifies and sends rays through COUNT spoilt field files: fuzz_field COUNT [SEED [FIRST]]. Nothing may crash.
 //
 // Every round takes a small valid file, spoils it, opens and verifies it, and, when it opens, sends rays through it. In
 // most rounds the checksums are made right again, so that the checks behind them are reached. Nothing may crash, hang

@@ -1,7 +1,6 @@
-// Hostile packed fields: fuzz_packed COUNT [SEED] unpacks COUNT mutated files. Each must be refused with a message, or
-// give the very field that was packed, or another one whose own checksums are right; no memory may be used beyond what
-// blocks need. Most files have right checksums, so that the checks behind them are reached. Files depend on (seed,
-// round) alone.
+// Unpacks COUNT mutated packed fields: fuzz_packed COUNT [SEED]. Each must be refused with a message, or give the very
+// field that was packed, or another one whose own checksums are right; no memory may be used beyond what blocks need.
+// Most files have right checksums, so that the checks behind them are reached. Files depend on (seed, round) alone.
 #include "packed_fields.h"
 
 #include "core/hooks.h"

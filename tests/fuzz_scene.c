@@ -1,8 +1,8 @@
-// Hostile scene files: fuzz_scene COUNT [SEED [PART]] loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image
-// files, or only those whose names contain PART, such as ".gl". Each must become a scene whose numbers are valid, or be
-// refused with a message, within seconds and without excessive memory. Files are made from (seed, round) alone, so a
-// failure can be repeated; rounds run in a child process, so that a crash inside Assimp is counted and the run
-// continues. Crashes, hangs and leaks of our own code fail the test.
+// Loads COUNT mutated descriptions, OBJ, MTL, glTF, GLB and image files: fuzz_scene COUNT [SEED [PART]], with PART only
+// those whose names contain it, such as ".gl". Each must become a scene whose numbers are valid, or be refused with a
+// message, within seconds and without excessive memory. Files are made from (seed, round) alone, so a failure can be
+// repeated; rounds run in a child process, so that a crash inside Assimp is counted and the run continues. Crashes,
+// hangs and leaks of our own code fail the test.
 #include "core/hooks.h"
 #include "core/sampling.h"
 #include "counted_memory.h"

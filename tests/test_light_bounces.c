@@ -1,5 +1,5 @@
-// Light that is passed over links, bounce after bounce: its sums, and that solving resumes between any two bounces with
-// the same bits.
+// Tests light that is passed over links, bounce after bounce: its sums, and that solving resumes between any two
+// bounces with the same bits.
 #include "core/hooks.h"
 #include "core/result.h"
 #include "light/links/light_bounces.h"

@@ -1,5 +1,5 @@
-// The rule that deals units to the parts of a bake: every unit belongs to one part, parts that help leave nothing to
-// wait for but what others are at, and stages begin with different parts.
+// Tests the rule that deals units to the parts of a bake: every unit belongs to one part, parts that help leave nothing
+// to wait for but what others are at, and stages begin with different parts.
 #include "work/unit_deal.h"
 
 #include <setjmp.h>

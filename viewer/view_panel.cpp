@@ -1,3 +1,4 @@
+// Draws the panel over the image, controls for the state and the times of passes, with Dear ImGui.
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>

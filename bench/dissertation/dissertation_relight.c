@@ -1,5 +1,5 @@
-// Compares frames of relighting, in which a light moves and a few probes per frame are updated, with a fresh bake of
-// the changed scene.
+// Compares frames of relighting, each of which renews a part of a field's light after a light has moved, with a fresh
+// bake of the changed scene.
 #include "clock.h"
 #include "experiment_list.h"
 

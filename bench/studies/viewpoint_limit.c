@@ -1,7 +1,7 @@
 // Measures what limits glossy light that is read from probes: a texel holds light that leaves a surface towards its
 // probe, but a reflection needs light that leaves it towards the reflecting surface. For mirror rays from the pixels of
-// a camera this compares
-// with light path traced along the ray. The second is the least error that any field of these probes can have per ray.
+// a camera it compares the field's light, and light path traced towards the probe, with light path traced along the
+// ray. The second error is the least that radiance stored by these probes can have.
 //
 //   viewpoint-limit SCENE FIELD.olx [RAYS]
 #include "options.h"

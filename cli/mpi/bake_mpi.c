@@ -1,4 +1,4 @@
-// octalux-bake-mpi: the bake of `octalux bake`, computed by all ranks of an MPI job, which share a work folder.
+// octalux-bake-mpi: bakes as `octalux bake` does, on all ranks of an MPI job, which share a work folder.
 //
 // Each rank is a part of the bake (docs/farm.md) that stays in memory and waits for what only others can compute. MPI
 // says how many ranks there are and when all are done; results go through the folder. Ranks that wait sleep.

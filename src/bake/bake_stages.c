@@ -1,4 +1,4 @@
-// The stages of a bake: how each computes its results, stores and reloads them, and writes them to the file.
+// Runs the stages of a bake: each computes its results, stores and reloads them, and writes them to the file.
 #include "bake/bake_run.h"
 #include "bake/capture/probe_gathers.h"
 

@@ -1,5 +1,5 @@
-// The table of the kinds of chunks in a field file, and what follows from it alone: shapes, which chunks a description
-// calls for, and which lie on a device.
+// Holds the table of the kinds of chunks in a field file, and answers what follows from it alone: shapes, which chunks
+// a description calls for, and which lie on a device.
 #include "field/field_chunks.h"
 
 static uint64_t one(const olx_field_info *info) { return (void)info, 1; }

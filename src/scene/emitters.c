@@ -1,5 +1,5 @@
-// Draws points on lights for next-event estimation: lights without area and emissive triangles by what each sends to
-// the place, and the environment, with their densities.
+// Draws points on lights without area, on emissive triangles and on the environment for next-event estimation, with
+// their densities: by the light that reaches the place, or by power where there are many triangles.
 #include "scene/emitters.h"
 
 #include "core/distribution.h"

@@ -1,4 +1,4 @@
-// A growing buffer for results that are written to a file, and bounds checks for results that are read from one.
+// Collects results that are written to a file in a growing buffer, and checks the bounds of results read from one.
 #include "work/byte_stream.h"
 
 #include "core/hooks.h"

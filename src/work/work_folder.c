@@ -1,5 +1,5 @@
-// Files of units in a folder: found by name, written under temporary names and renamed, verified by hashes. The folder
-// is held open from the first access, so that nobody can replace it.
+// Keeps units as files in a folder: finds them by name, renames them into place from temporary names, and verifies
+// their hashes. The folder is held open from the first access, so that nobody can replace it.
 #include "work/work_folder.h"
 
 #include "core/chunk_file.h"

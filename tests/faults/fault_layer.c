@@ -1,4 +1,4 @@
-// A Vulkan layer that makes one call fail: FAULT=submit:7:-4 lets the 7th vkQueueSubmit of the process return -4
+// Makes one call of Vulkan fail, as a layer: FAULT=submit:7:-4 lets the 7th vkQueueSubmit of the process return -4
 // (VK_ERROR_DEVICE_LOST). Calls are submit, memory (vkAllocateMemory), acquire and present; FAULT=version:1:0 makes
 // every device report Vulkan 1.1. The layer serves one device at a time.
 #include <vulkan/vk_layer.h>

@@ -1,5 +1,5 @@
-// The steps that solve a scene's light: find the surfaces that probes see, distribute surfels over them, cast more rays
-// where light varies more, and propagate light over the links until it converges. light_units.c runs them.
+// Solves a scene's light in steps: finds the surfaces that probes see, distributes surfels over them, casts more rays
+// where light varies more, and propagates light over the links until it converges. light_units.c runs the steps.
 #include "light/solution/light_steps.h"
 
 #include "core/hooks.h"

@@ -1,4 +1,4 @@
-// Thins out the probes of many tiles, which were chosen independently: a lazy greedy cover over samples of all tiles,
+// Thins out the probes of many tiles, which were chosen tile by tile, by a lazy greedy cover over samples of all tiles,
 // whose rows are sparse.
 #include "place/cover/thin.h"
 

@@ -1,5 +1,5 @@
-// A furnished flat: a living room with sun through a wide window and a floor of polished boards, and a corridor that
-// receives light only through an open door.
+// Builds a furnished flat: a living room with sun through a wide window and a floor of polished boards, and a corridor
+// that receives light only through an open door.
 #include "core/result.h"
 #include "scene/builtin/builtin_furniture.h"
 #include "scene/builtin/builtin_scenes.h"

@@ -1,5 +1,5 @@
-// Furniture of the built-in flat: pieces assembled from boxes, cushions and turned shapes, each placed and rotated as a
-// whole.
+// Builds the furniture of the built-in flat: pieces assembled from boxes, cushions and turned shapes, each placed and
+// rotated as a whole.
 #include "scene/builtin/builtin_furniture.h"
 
 #include "core/hooks.h"

@@ -1,7 +1,6 @@
-// Builds the temple (after Wang's iconic temple, Fig. 1.1): a corridor between colossal pillars, wide flights of stairs
-// on
-// both sides up to galleries with a second row of pillars, arcades between those, blind arches along the walls. What
-// lies under stairs and galleries is open between the flights and at the ends of the hall.
+// Builds the temple, after Wang's iconic temple (Fig. 1.1): a corridor between colossal pillars, with stairs on both
+// sides up to galleries. These have a second row of pillars, arcades between them, and blind arches along the walls.
+// The space under stairs and galleries is open between the flights and at the ends of the hall.
 #include "core/result.h"
 #include "scene/builtin/builtin_scenes.h"
 #include "scene/builtin/builtin_shapes.h"

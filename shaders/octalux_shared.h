@@ -311,7 +311,7 @@ typedef struct olx_gpu_uvec4 {
 // When the weights of a cage sum to less than this, a more distant probe supplies the rest.
 #define OLX_TRUSTED_WEIGHT 0.01f
 
-// volume_irradiance: the structure of the irradiance volume (docs/format.md, "Volume").
+// volume_irradiance: the structure of the irradiance volume (docs/format.md, "Irradiance volume").
 #define OLX_VOLUME_HEADER_WORDS 16u  // of olx_volume_header
 #define OLX_VOLUME_SPLIT_WORDS 8u    // of olx_volume_split
 #define OLX_VOLUME_CELL_WORDS 8u     // of olx_volume_cell

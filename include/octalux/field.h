@@ -144,7 +144,7 @@ typedef struct olx_field_info {
 
 // Maps a field file into memory and checks its structure: every offset and size, and the checksums of header, chunk
 // table and description, but not the maps (olx_field_verify). On success the caller must close *field; on failure it is
-// NULL. Takes milliseconds for any size.
+// NULL. Takes milliseconds for maps of any size; the data for relighting is read in full.
 olx_result olx_field_open(const char *path, olx_field **field);
 
 // Opens a field file that is already in memory, 64-byte aligned, like olx_field_open; `data` must outlive the field.

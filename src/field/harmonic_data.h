@@ -1,5 +1,5 @@
-// Irradiance of a probe as spherical harmonics (docs/format.md, "IRSH"): the coefficients of core/harmonics.h in order,
-// red, green and blue of each, as half floats, padded to whole words.
+// Irradiance of a probe as spherical harmonics (docs/format.md, "Spherical harmonics"): the coefficients of
+// core/harmonics.h in order, red, green and blue of each, as half floats, padded to whole words.
 #ifndef OLX_FIELD_HARMONIC_DATA_H
 #define OLX_FIELD_HARMONIC_DATA_H
 

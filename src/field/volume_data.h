@@ -1,6 +1,6 @@
 // The irradiance volume: probes at the corners of cells of free space. It lights moving objects, and surfaces whose
-// light is not stored. The structure lies in the file as it is read (docs/format.md, "Volume"). src/bake builds it, and
-// src/shade looks it up.
+// light is not stored. The structure lies in the file as it is read (docs/format.md, "Irradiance volume"). src/bake
+// builds it, and src/shade looks it up.
 #ifndef OLX_FIELD_VOLUME_DATA_H
 #define OLX_FIELD_VOLUME_DATA_H
 

@@ -68,5 +68,5 @@ export interface ParsedField {
   volume: { cells: Uint32Array; light: Uint32Array } | null;
 }
 
-/** Reads a whole .olx file, version 2. Arrays of the result are views of the buffer. Throws a FieldError. */
+/** Reads a whole .olx file, version 2. Arrays of the result are views of the buffer, or of a copy where chunks are filtered. Throws a FieldError. */
 export function parseField(buffer: ArrayBuffer): ParsedField;

@@ -1,6 +1,6 @@
-// Reads field files (.olx, version 2) as docs/format.md describes them. What is not wanted for drawing, such as hashes
-// and classic maps, is not looked at. Arrays are views of the given buffer, or of a copy
-// where chunks are filtered.
+// Reads field files (.olx, version 2) as docs/format.md describes them, and those of `export web --no-glossy`
+// (docs/web.md). What is not wanted for drawing, such as hashes and classic maps, is not looked at. Arrays are views of
+// the given buffer, or of a copy where chunks are filtered.
 //
 // SPDX-License-Identifier: MIT
 

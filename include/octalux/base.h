@@ -4,7 +4,7 @@
 // being created or destroyed may be read by any number of threads at once. The last message is kept per thread.
 //
 // Pointers may be NULL only where this is said, and arrays where they have no elements. A structure of settings begins
-// as its ..._default function returns it: a structure of zeros is other settings, some of which are refused.
+// as its ..._default function returns it; zeros are other settings, and some of them are refused.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_BASE_H

@@ -204,10 +204,10 @@ void olx_probe_set_free(olx_probe_set *set);
 // the set alone. Positions are written in scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // Reads a file of olx_probe_set_save, or any JSON object whose "probes" is a list of objects with a "position".
-// Settings that are missing are 0, and so are budget, grid and report, which are not read; without them the method is
-// OLX_PLACE_COVER and `views` 1. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and
-// the element; a position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must free the set; on
-// failure it has no probes.
+// Settings that are missing are 0, except the method, OLX_PLACE_COVER, and `views`, 1. Budget, grid and report are not
+// read and 0. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and the element; a
+// position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must free the set; on failure it has no
+// probes.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
 #pragma GCC visibility pop

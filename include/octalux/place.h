@@ -116,11 +116,11 @@ typedef struct olx_place_settings {
   // default): determined by voxel_size.
   uint32_t voxels;
   uint32_t refinements; // rounds in which probes may move or be swapped, 0 to 64; default 8
-  uint32_t seed;        // of the random numbers; default 0
-  uint32_t threads;     // 0: as many as the machine has; the result does not depend on it
-  bool marks;           // also fill olx_probe_set.marks; default false
-  bool field_size; // also compute olx_place_report.field_bytes, which takes rays; always true with a budget; default
-                   // false
+  uint32_t seed;
+  uint32_t threads; // 0: as many as the machine has; the result does not depend on it
+  bool marks;       // also fill olx_probe_set.marks; default false
+  bool field_size;  // also compute olx_place_report.field_bytes, which takes rays; always true with a budget; default
+                    // false
 } olx_place_settings;
 
 // Returns the default settings. `scene` may be NULL: then the grid has no probes, and olx_scene_probe_grid must set it.

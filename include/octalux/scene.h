@@ -30,7 +30,8 @@ typedef struct olx_camera {
 
 typedef struct olx_scene_info {
   uint64_t triangles, vertices;
-  uint32_t materials, textures, lights, cameras; // lights: those without area, and materials in use that emit
+  // Lights are those without area, and materials in use that emit.
+  uint32_t materials, textures, lights, cameras;
   uint32_t warnings; // number of elements skipped or clamped at import
   double origin[3];  // in scene coordinates, metres
   olx_vec3 bounds_min, bounds_max;

@@ -55,7 +55,7 @@ olx_sample_settings olx_sample_settings_default(void);
 
 // Returns OLX_ERROR_ARGUMENT, with a message, when `settings` name a selector or a kind of hit light that the field was
 // baked without, an enumerator that does not exist, or a surface tolerance out of range. Sampling with such settings is
-// safe: OLX_SELECT_EXHAUSTIVE and the defaults replace them, but a surface tolerance counts as it is.
+// safe: OLX_SELECT_EXHAUSTIVE and the defaults replace them.
 olx_result olx_sample_settings_check(const olx_field *field, const olx_sample_settings *settings);
 
 typedef enum olx_trace_status {
@@ -181,8 +181,8 @@ void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings
 // radiance of the irradiance probes around a point, interpolated without visibility. Of `settings`, only keep_buried
 // has an effect. Light directly from emitters or the sky is left out.
 
-// Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps. The functions below must
-// not be called for such a field.
+// Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps, which the functions below
+// need.
 olx_result olx_classic_check(const olx_field *field);
 
 // Returns the indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`.

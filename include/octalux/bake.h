@@ -49,7 +49,7 @@ typedef struct olx_bake_work {
   uint64_t limit_bytes; // the most for all results: beyond it, and where the disk is full, a whole bake stores no more,
                         // with a warning, and a part fails with OLX_ERROR_FILE; 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
-                        // field; 0, the default: a whole bake
+                        // field, in a `folder` and not with `fresh`; 0, the default: a whole bake
   // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted.
   void (*done)(void *user, const olx_bake_unit *unit);
   // Waits for other parts that run at the same time, on the thread that bakes: called again and again while a unit of
@@ -62,8 +62,8 @@ typedef struct olx_bake_work {
 } olx_bake_work;
 
 // What rasterises cube maps around light field probes, so that a bake need not cast rays from them (docs/baking.md,
-// "Rasterised capture"; McGuire et al. 2017, section 6). The baker brings none, because it opens no device: capture/
-// has one for Vulkan devices.
+// "Rasterised capture"; McGuire et al. 2017, sections 3, 6). The baker brings none, because it opens no device:
+// capture/ has one for Vulkan devices.
 typedef struct olx_bake_raster {
   // Names the device and its driver in one line, on which the field's bytes depend; a work folder belongs to one of
   // them.
@@ -84,15 +84,16 @@ typedef struct olx_bake_settings {
   const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
   uint32_t probe_count;   // of `probes`, 1 to 2^20
   uint32_t select_mask;   // bit (1 << olx_select) for each structure to bake in (octalux/field.h); 0 for the best:
-                          // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes.
-                          // The cage needs the grid. Default 0
+                          // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes,
+                          // the most for voronoi and octree too. The cage needs the grid. Default 0
   uint32_t radiance_size; // texels along a side: a power of two, 8 to 2048; default 512
   // Also store light as probes see it (McGuire et al. 2017): the radiance that each light field probe saw (section 3),
   // and irradiance probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and
   // olx_irradiance read it; default pictures do not (docs/baking.md). Default false, and implied where
   // olx_bake_keeps_probe_light returns true. Only the next four settings and `fit` shape it.
   bool probe_light;
-  olx_grid irradiance_grid;            // grid of irradiance probes; default olx_bake_irradiance_grid of `grid`
+  olx_grid irradiance_grid;            // of irradiance probes; default olx_bake_irradiance_grid of the scene's grid,
+                                       // which does not follow changes of `grid`
   uint32_t irradiance_size;            // a power of two, 8 to 256; default 128
   olx_irradiance_form irradiance_form; // default OLX_IRRADIANCE_OCTAHEDRAL
   olx_bounce_gather bounce_gather;     // default OLX_GATHER_SOLVED
@@ -105,7 +106,8 @@ typedef struct olx_bake_settings {
   float noise;              // greatest standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // paths a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
   uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256,
-                            // and at most radiance_size / 16; 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
+                            // of which radiance_size / 16, at least 1, are used; 0, or OLX_LIGHT_REFERENCE: no volume.
+                            // Default 32
   bool classic;             // also bake classic maps: irradiance probes without visibility (docs/baking.md); default no
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256
@@ -197,7 +199,8 @@ olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *set
 // Sets *radiance_size to the largest size of maps, from 2048 texels along a side down to 8, with which the field is
 // expected to take at most `budget_mb` megabytes (10^6 bytes; olx_bake_sizes.expected_bytes) and all other settings as
 // they are; settings->radiance_size is not read. Probes are kept: olx_place finds as many as fit a budget.
-// OLX_ERROR_ARGUMENT as for olx_bake, and where the smallest maps take more: the message says how many megabytes.
+// OLX_ERROR_ARGUMENT as for olx_bake, for a budget not above 0 or not below 10^12, and where the smallest maps take
+// more: the message says how many megabytes.
 olx_result olx_bake_size_for_budget(const olx_scene *scene, const olx_bake_settings *settings, double budget_mb,
                                     uint32_t *radiance_size);
 // The memory that the process of a bake takes at most, in bytes: with what it held before, such as the scene.
@@ -221,18 +224,18 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 
 // Bakes a field and writes it to `path`, through a temporary file that is synced and renamed, so that a failure or a
 // kill at any moment leaves the old file or the new one. The bytes depend on the scene and the settings alone, not on
-// threads or runs. stats may be NULL. A bake with a memory limit measures its memory first
-// (olx_bake_measure_memory), and returns OLX_ERROR_MEMORY, with the least limit that suffices, before it creates a file
-// or a folder.
+// threads or runs. stats may be NULL; after a failure *stats is incomplete or as it was. A bake with a memory limit
+// measures its memory first (olx_bake_measure_memory), and returns OLX_ERROR_MEMORY, with the least limit that
+// suffices, before it creates a file or a folder.
 //
 // With a work folder, a bake continues where another one of the same scene, settings, build and machine stopped.
 // OLX_ERROR_ARGUMENT when the folder belongs to another bake, and OLX_ERROR_FILE when it is not a work folder or is in
 // use. A damaged result is named in a warning and computed again. One that cannot be read now is kept, and is computed
-// again or ends the bake with OLX_ERROR_FILE. A part writes no field (`path` is ignored) and never waits: it returns
-// OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of other parts are missing; call it again
-// then. Any number of parts may run at once, of any `parts`, more than once; meanwhile a whole bake is refused where
-// the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between irradiance probes, which
-// cannot be stored.
+// again or ends the bake with OLX_ERROR_FILE. A part writes no field (`path` is ignored and may be NULL) and never
+// waits: it returns OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of other parts are
+// missing; call it again then. Any number of parts may run at once, of any `parts`, more than once; meanwhile a whole
+// bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between
+// irradiance probes, which cannot be stored.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
 

@@ -3,6 +3,9 @@
 // Threads: every function of Octalux may be called from any thread. A handle (olx_field, olx_scene, ...) that is not
 // being created or destroyed may be read by any number of threads at once. The last message is kept per thread.
 //
+// Pointers may be NULL only where this is said, and arrays where they have no elements. A structure of settings begins
+// as its ..._default function returns it; zeros are other settings, and some of them are refused.
+//
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_BASE_H
 #define OCTALUX_BASE_H
@@ -24,9 +27,9 @@ extern "C" {
 const char *olx_version(void);
 
 // The result of every fallible call. Anything from outside (files, memory, settings) leads to one of these. An index or
-// enumerator out of range leads to the value that the function documents, and to the name "unknown"; nothing is read
-// out of bounds. NULL handles are programming errors: they assert in debug builds, and release builds hold no assertion
-// that could end the host.
+// enumerator out of range leads to the value that the function documents, and to a name that begins with "unknown";
+// nothing is read out of bounds. A NULL that is not allowed is a programming error: debug builds may assert, and
+// release builds hold no assertion that could end the host.
 typedef enum olx_result {
   OLX_OK = 0,
   OLX_ERROR_ARGUMENT = 1,    // a setting outside its documented range
@@ -67,7 +70,8 @@ typedef struct olx_vec3 {
 
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
 
-// Hooks by which a host replaces what the library takes from the system. A NULL member keeps the default.
+// Hooks by which a host replaces what the library takes from the system. A NULL member keeps the default; when
+// `allocate` or `release` is NULL, both do. Hooks are called from any thread, and from several at once.
 typedef struct olx_hooks {
   void *user; // passed to every hook
 
@@ -88,9 +92,10 @@ typedef struct olx_hooks {
 // another call is running.
 void olx_set_hooks(const olx_hooks *hooks);
 
-// Progress of long work. `report` may be NULL. It is called from one thread at a time, at most some ten times a second,
-// with a short name of the stage and the share of the whole that is done, 0..1; returning false cancels the work, which
-// then returns OLX_ERROR_CANCELLED and leaves no partial output.
+// Progress of long work. `report` may be NULL, and so may a pointer to this structure. It is called from one thread at
+// a time, which need not be the caller's, at most some ten times a second, with a short name of the stage and the share
+// of the whole that is done, 0..1; returning false cancels the work, which then returns OLX_ERROR_CANCELLED and leaves
+// no partial output.
 typedef struct olx_progress {
   bool (*report)(void *user, const char *stage, float done);
   void *user;
@@ -98,7 +103,8 @@ typedef struct olx_progress {
 
 // Copies `text`, which may come from a file, in a form that is safe for a terminal: control characters and bytes that
 // are not UTF-8 become \xNN. The copy is cut to size_bytes, at least 1, including the terminator; 4 bytes for every
-// byte always suffice. Messages of olx_last_error, of the log and of olx_scene_warning are printable already.
+// byte and 1 for the terminator always suffice. Messages of olx_last_error, of the log and of olx_scene_warning are
+// printable already.
 void olx_printable(const char *text, char *printable, size_t size_bytes);
 
 // Runs work(user) on the calling thread, with `progress` for all calls of Octalux in it on this thread: calls that take
@@ -110,7 +116,7 @@ olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result
 // Outputs. A regular file is written to a temporary file in its folder, which is synced and renamed when it is
 // complete, so that no reader ever sees a part of it and a killed program leaves the old one. Links are followed: the
 // file to which they lead is replaced, with its owner and mode where that is permitted. Formats that are written in
-// order (JSON, PNG, HTML, glTF, KTX2, .olxs) may also go to character devices, to pipes, and, by the name "-", to
+// order (JSON, PNG, HTML, glTF, KTX2, gzip, .olxs) may also go to character devices, to pipes, and, by the name "-", to
 // standard output; folders, block devices and sockets are refused.
 
 // Checks before long work whether an output could be written at `path`: returns OLX_OK, or OLX_ERROR_FILE with the

@@ -17,7 +17,7 @@ typedef struct olx_lobe_filter {
   uint32_t stride_pixels; // between the pixels that the filter reads, 1 to 64
   float history;          // largest share of earlier frames in a pixel, 0 to 0.999
   float still_history;    // largest share of earlier frames where the surface has not moved in the picture, 0 to 0.999
-  float reach;            // 0: only the radius. Else kernels narrow to a share of the length over which light varies
+  float reach;            // 0: only the radius. Above: kernels narrow to a share of the length over which light varies
 } olx_lobe_filter;
 
 typedef struct olx_denoise_settings {

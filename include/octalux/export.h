@@ -120,7 +120,7 @@ typedef struct olx_map_picture {
   olx_map_projection projection;
   uint32_t probe; // index among the map's kind of probes
   uint32_t size;  // n of latlong and cube, 1 to 2048; 0, the default: the map's own for latlong, half of it for cube.
-                  // Octahedral: 0
+                  // Octahedral: 0, or the map's own
 } olx_map_picture;
 
 // Writes a map as an .exr with channels R, G, B (of normals x, y, z), or Y for a single number, through a temporary
@@ -156,7 +156,8 @@ olx_result olx_export_gltf(const olx_field *field, const char *path, olx_gltf_co
 
 typedef struct olx_cubes_settings {
   uint32_t size[3];     // voxels along x, y and z; all 0, the default: from spacing_metres
-  float spacing_metres; // side of a voxel, or 0, the default: 1/32 of the longest side of the scene's bounds
+  float spacing_metres; // side of a voxel, or 0, the default: 1/32 of the longest side of the scene's bounds; with
+                        // `size` 0
   bool fit;             // fit the voxels to the surfaces that probes see; default true
   bool zstd;            // compress the texels by Zstandard, which a loader undoes; default false
   uint32_t threads;     // 0, the default: as many as the machine has; the bytes do not depend on it
@@ -190,8 +191,8 @@ typedef struct olx_cubes_info {
 // With settings->spacing_metres the box has the scene's bounds, enlarged about their middle to whole voxels; with
 // settings->size it has those bounds, and voxels of any shape. Both have a margin of 1/1024 of the longest side, so
 // that surfaces at the bounds are inside. Written through a temporary file that is synced and renamed, or to a stream.
-// OLX_ERROR_ARGUMENT for a field without an irradiance volume, and for sizes out of range. `progress` and `info` may be
-// NULL.
+// OLX_ERROR_ARGUMENT for a field without an irradiance volume, for sizes out of range, and when no voxel has its centre
+// in free space. `info` may be NULL.
 olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *settings, const char *path,
                            const olx_progress *progress, olx_cubes_info *info);
 
@@ -203,7 +204,8 @@ olx_result olx_export_ktx2(const olx_field *field, const olx_cubes_settings *set
 // scene's field. The scene's "extras" have its hash, its origin and the radiance of its sky. Textures are PNG; colours
 // of opaque surfaces are JPEG of quality 92 where that takes less than half as much, as photographs do. Height maps,
 // alpha textures of their own and images of environments are left out. Written through a temporary file that is synced
-// and renamed, and compressed by gzip where the path ends in ".gz". file_bytes may be NULL.
+// and renamed, and compressed by gzip where the path ends in ".gz". OLX_ERROR_UNSUPPORTED beyond 4 GiB, the most for
+// a .glb. file_bytes may be NULL.
 olx_result olx_export_scene(const olx_scene *scene, const char *path, uint64_t *file_bytes);
 
 // Writes a copy of a file compressed by gzip, which browsers unpack, through a temporary file that is synced and

@@ -144,10 +144,13 @@ typedef struct olx_field_info {
 
 // Maps a field file into memory and checks its structure: every offset and size, and the checksums of header, chunk
 // table and description, but not the maps (olx_field_verify). On success the caller must close *field; on failure it is
-// NULL. Takes milliseconds for maps of any size; the data for relighting is read in full.
+// NULL. Takes milliseconds for maps of any size; the data for relighting is read in full. Until the field is closed
+// nothing may shorten or change the file in place; replacing it by another file, as every output of Octalux does, is
+// safe.
 olx_result olx_field_open(const char *path, olx_field **field);
 
-// Opens a field file that is already in memory, 64-byte aligned, like olx_field_open; `data` must outlive the field.
+// Opens a field file that is already in memory, 64-byte aligned (else OLX_ERROR_ARGUMENT), like olx_field_open; `data`
+// must outlive the field.
 olx_result olx_field_open_memory(const void *data, size_t size_bytes, olx_field **field);
 
 // Reads the description of a field file of format version 1. Such a file cannot be opened, because its texels hold no

@@ -17,8 +17,8 @@
 // is reached, and then moves and swaps probes as long as that covers more. A surfel is *covered* when a probe sees it
 // *well*: in line of sight, not at a grazing angle, and with a texel small enough on the surface; better angles and
 // smaller texels are preferred where they cost no coverage. OLX_PLACE_SDF and OLX_PLACE_MEDIAL are the methods of
-// Wang's thesis (section 3.1): one probe for each cluster of the skeleton of free space, at the member nearest to the
-// cluster's mean. Small clusters are dropped.
+// Wang's thesis (section 3.1): one probe for each cluster of the skeleton of free space, but at the member nearest to
+// the cluster's mean, not at the mean. Small clusters are dropped.
 //
 // Probes may then be moved to where they see better (section 3.2): `optimize`.
 //
@@ -89,15 +89,16 @@ typedef struct olx_place_settings {
   // clusters 0.15 diagonals wide.
   uint32_t count;   // 1 to 65,536; 0 (the default): not limited
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
-  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_place_report.field_bytes); 0
-                    // (the default): not limited. Not with OLX_PLACE_GRID
+  double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_place_report.field_bytes),
+                    // below 1e12; 0 (the default): not limited. OLX_PLACE_GRID keeps all its probes
   uint32_t views;   // probes that must see each surfel, 1 to 8; default 1
   olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
                        // within [0, 1); default 0.02
   float max_footprint; // largest side, on the surface, of a texel that covers it, as a share of the diagonal of the
-                       // scene's bounds, or of a tile where there are several; above 0; default 0.05
+                       // scene's bounds, or of a tile where there are several; above 0, at most 1e6;
+                       // default 0.05
   olx_place_optimizer optimize; // default OLX_OPTIMIZE_NONE
   olx_place_reward reward;      // default OLX_REWARD_BEST
   uint32_t rounds;              // most rounds of the optimizer, 1 to 10,000; default 50; it ends when all is covered
@@ -191,7 +192,9 @@ typedef struct olx_probe_set {
 
 // Places probes in `scene`. The overrides of its description (docs/scenes.md: pinned, forbidden, playable,
 // min_distance) apply to every method. OLX_ERROR_EMPTY, with a message that says why, when there is nothing to place
-// in: no volume, no free space outside geometry, no surface that space sees. On success the caller must free the set.
+// in: no volume, no free space outside geometry, no surface that space sees. OLX_ERROR_ARGUMENT for settings out of
+// range, for more pinned probes than `count`, and for a budget that holds no probe. On success the caller must free the
+// set; on failure it has no probes.
 olx_result olx_place(const olx_scene *scene, const olx_place_settings *settings, const olx_progress *progress,
                      olx_probe_set *set);
 // Releases probes and marks; the struct itself is the caller's.
@@ -200,10 +203,11 @@ void olx_probe_set_free(olx_probe_set *set);
 // Writes the set as JSON (docs/placement.md), through a temporary file that is synced and renamed. The bytes depend on
 // the set alone. Positions are written in scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
-// Reads a file of olx_probe_set_save, or any JSON object whose "probes" is a list of objects with a "position";
-// anything else that is missing gets its default. Positions become relative to `origin`, the scene's (NULL: 0). Errors
-// name the file and the element; a position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must
-// free the set.
+// Reads a file of olx_probe_set_save, or any JSON object whose "probes" is a list of objects with a "position".
+// Settings that are missing are 0, except the method, OLX_PLACE_COVER, and `views`, 1. Budget, grid and report are not
+// read and 0. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and the element; a
+// position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must free the set; on failure it has no
+// probes.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
 #pragma GCC visibility pop

@@ -9,8 +9,8 @@
 // emitters and of the sky. Probe light (radiance as probes saw it, and irradiance probes) keeps the light of the bake
 // (docs/relighting.md).
 //
-// Threads: calls on one relighter must not overlap, and no other thread may sample its field during olx_relight_frame.
-// Frames use several threads; results do not depend on how many.
+// Threads: calls on one relighter must not overlap, and no other thread may sample its field during olx_relight_frame
+// or olx_relight_set_lights. Frames use several threads; results do not depend on how many.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_RELIGHT_H
@@ -84,7 +84,7 @@ typedef struct olx_relight_stats {
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
 // Returns the field with its present light, for octalux/sample.h and octalux/render.h. It belongs to the relighter,
-// must not be closed, and changes with olx_relight_frame.
+// must not be closed, and changes with olx_relight_frame and olx_relight_set_lights.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
 // The state of a light field probe in the schedule.

@@ -43,15 +43,17 @@ typedef struct olx_image {
   uint32_t bounces;
 } olx_image;
 
-// Allocates an image with the layers whose bits (1 << olx_layer) are set, filled with zero.
+// Allocates an image of 1 to 16384 pixels a side with the layers whose bits (1 << olx_layer) are set, filled with zero.
+// On success the caller must free it, on failure it has no layers; so it is with all functions that make images.
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image);
 // Releases the layers; the caller owns the struct itself.
 void olx_image_free(olx_image *image);
 
 // Writes `path` by its extension, .exr (all layers, linear float) or .png (beauty, tone-mapped), through a temporary
-// file that is synced and renamed.
+// file that is synced and renamed. OLX_ERROR_ARGUMENT for another extension.
 olx_result olx_image_save(const olx_image *image, const char *path);
-// Writes one layer as .png, tone-mapped with `exposure` (1: unchanged).
+// Writes one layer as .png, tone-mapped with `exposure`, above 0 (1: unchanged). OLX_ERROR_ARGUMENT for a layer that
+// the image lacks.
 olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, float exposure, const char *path);
 // Reads an .exr of olx_image_save, or any scanline EXR with channels R G B. The caller must free *image.
 olx_result olx_image_load(const char *path, olx_image *image);
@@ -109,9 +111,9 @@ typedef struct olx_render_settings {
   uint32_t diffuse_samples;  // field, traced: rays a camera sample, 1 to 4096; default 64
   uint32_t glossy_samples;   // field: rays a camera sample on glossy surfaces, 1 to 4096; default 4 (1 when smooth)
   uint32_t seed;             // a second seed gives other samples, so that two images have independent noise; default 0
-  float dim_lobe;            // field: rough specular lobes that reflect less than this share towards the eye are not
-                             // traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in fields
-                             // without probe light, else that of irradiance probes; default 0 (section 6)
+  float dim_lobe;            // field: rough specular lobes that reflect less than this share, 0 to 1, towards the eye
+                             // are not traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in
+                             // fields without probe light, else that of irradiance probes; default 0 (section 6)
   bool centered;             // all camera samples of a pixel go through its centre
   olx_denoise_settings denoise; // for olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
@@ -132,7 +134,8 @@ typedef struct olx_render_stats {
 } olx_render_stats;
 
 // Renders `scene` from `camera`. `field` is needed for all methods except OLX_METHOD_PATH, where it may be NULL; a
-// field baked from another scene causes a warning. On success the caller must free the image. stats may be NULL.
+// field baked from another scene causes a warning, and one relative to another origin OLX_ERROR_ARGUMENT, as does a
+// camera whose target is its eye. On success the caller must free the image. stats may be NULL.
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,
                       const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                       olx_render_stats *stats);
@@ -141,7 +144,8 @@ olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_
 // (through its centre) and one ray a lobe through the field, denoised over pixels and over frames; the image is the
 // last frame. settings->diffuse chooses between a Lambertian ray (the paper's denoised mode) and light stored at
 // surfaces or at irradiance probes; settings->spp is the number of samples of direct light in the last frame. Other
-// numbers of samples and `bounces` have no effect; the method must be OLX_METHOD_FIELD. All else is as in olx_render.
+// numbers of samples, `bounces`, `centered` and `standard_error` have no effect; the method must be OLX_METHOD_FIELD.
+// All else is as in olx_render.
 olx_result olx_render_frames(const olx_scene *scene, const olx_field *field, const olx_camera *cameras, uint32_t count,
                              const olx_render_settings *settings, const olx_progress *progress, olx_image *image,
                              olx_render_stats *stats);
@@ -189,8 +193,9 @@ olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer
 bool olx_layer_is_color(olx_layer layer);
 
 typedef struct olx_perceptual_settings {
-  float exposure;          // multiplies light before the tone map; default 1
-  float pixels_per_degree; // in the viewer's eye, at most 1000; default 67: 3840 pixels on 0.7 m, seen from 0.7 m
+  float exposure;          // multiplies light before the tone map, above 0; default 1
+  float pixels_per_degree; // in the viewer's eye, above 0, at most 1000; default 67: 3840 pixels on 0.7 m, seen from
+                           // 0.7 m
   uint32_t threads;        // 0: as many as the machine has; the numbers do not depend on it
 } olx_perceptual_settings;
 
@@ -212,12 +217,13 @@ void olx_magma(float value, uint8_t rgb[3]);
 olx_result olx_flip_map_save(const float *flip_map, uint32_t width, uint32_t height, const char *path);
 
 typedef struct olx_audit_settings {
-  uint32_t rays;   // default 200,000
-  uint32_t points; // on surfaces; default 2,000
-  uint32_t space_points; // in free space, six normals each, with spp / 16 paths in each of two halves; default 0
-  uint32_t spp;    // paths a point for the reference irradiance; default 1024
-  uint32_t seed;
-  uint32_t threads;
+  uint32_t rays;   // at most 2^30; default 200,000
+  uint32_t points; // on surfaces, at most 2^30; default 2,000
+  uint32_t space_points; // in free space, at most 2^26, six normals each, with spp / 16 + 1 paths in each of two
+                         // halves; default 0
+  uint32_t spp;     // paths a point for the reference irradiance; default 1024
+  uint32_t seed;    // of the random numbers; default 0
+  uint32_t threads; // 0: as many as the machine has; the numbers do not depend on it
   const char *camera; // name of the camera whose surfaces are judged; NULL: all cameras
   olx_sample_settings sample;
 } olx_audit_settings;
@@ -253,6 +259,8 @@ typedef struct olx_audit {
   double space_served;           // share of the places at which the irradiance volume has a cell
 } olx_audit;
 
+// OLX_ERROR_ARGUMENT for settings out of range, for a camera that the scene lacks, and for a field relative to another
+// origin. *audit is complete on success alone.
 olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const olx_audit_settings *settings,
                            const olx_progress *progress, olx_audit *audit);
 

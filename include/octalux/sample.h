@@ -1,5 +1,5 @@
-// Sampling a baked field on the CPU: rays, irradiance and glossy light. No call allocates or fails; any number of
-// threads may sample one field.
+// Sampling a baked field on the CPU: rays, irradiance and glossy light. No call allocates, and only the ..._check
+// functions fail; any number of threads may sample one field.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_SAMPLE_H
@@ -16,7 +16,7 @@ extern "C" {
 typedef enum olx_tracer {
   OLX_TRACER_TEXEL = 0, // visits every texel on the ray's path: slow, the reference
   // These give the same answers as OLX_TRACER_TEXEL to the last bit.
-  OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. section 4.1: skips blocks of 16 x 16 texels by their smallest distance
+  OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. sections 4.1, 4.2: skips blocks of 16 x 16 texels by their least distance
   OLX_TRACER_HIZ = 2        // Wang section 4.3: marches a pyramid of smallest and largest distances; the fastest
 } olx_tracer;
 
@@ -35,7 +35,7 @@ typedef struct olx_sample_settings {
   olx_select select;         // default OLX_SELECT_BEST; OLX_SELECT_EXHAUSTIVE replaces one that the field does not have
   olx_visibility visibility; // default OLX_VISIBILITY_CHEBYSHEV
   uint32_t max_probes;       // the most probes through which a ray is traced; once its selector has named some and
-                             // names no more, at most two others are asked; default 16
+                             // names no more, at most two others are asked; default 16; 0 finds nothing
   bool keep_buried;          // also use buried probes (inside geometry; the published failure, Fig. 10); default false
   bool emitters;             // count light that comes straight from an emitter or the sky; default false, because
                              // direct lighting samples those already (docs/maths.md, "Light, layers, bounces")
@@ -62,8 +62,9 @@ typedef enum olx_trace_status {
   OLX_TRACE_MISS = 0, // the ray leaves the scene or reaches t_max
   OLX_TRACE_HIT = 1,  // a surface that a probe sees
   // Unresolved: no probe sees where the ray goes. The values are those of the surface behind which it vanished least
-  // deep. A ray that vanished by less than 1.5 footprints is taken to end there, and is a HIT. Both find the surface's
-  // light without direct light and emission (docs/maths.md, "Light at the end of a ray").
+  // deep; where no probe was asked they are 0. A ray that vanished by less than 1.5 footprints is taken to end there,
+  // and is a HIT. Both find the surface's light without direct light and emission (docs/maths.md, "Light at the end of
+  // a ray").
   OLX_TRACE_UNKNOWN = 2
 } olx_trace_status;
 
@@ -77,15 +78,16 @@ typedef struct olx_trace_hit {
                      // came from all directions alike; 0 with OLX_HITS_STORED
   olx_vec3 emission; // sent by an emitter towards the probe, or by the sky along the ray; not part of `radiance`
   bool emitter;      // the ray ends at an emitter or in the sky; false where it vanished
-  uint32_t probe;    // the probe that resolved the ray, or UINT32_MAX
+  uint32_t probe;    // the probe that resolved the ray or saw it vanish; UINT32_MAX: none was asked
   uint32_t texel;    // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
   float footprint_metres; // of the texel that was hit: stored distance times the square root of its solid angle
   uint32_t texel_steps;   // number of texels whose distance was read, over all probes
   uint32_t probes_tried;
 } olx_trace_hit;
 
-// Traces the ray from `origin` (metres) along the unit vector `direction` to its first hit within t_max_metres
-// (INFINITY for no limit). McGuire et al. section 4, Listing 1.
+// Traces the ray from `origin` (metres) along the unit vector `direction` to its first hit within t_max_metres, above 0
+// (INFINITY for no limit). Other numbers give OLX_TRACE_UNKNOWN without asking a probe. McGuire et al. section 4,
+// Listing 1.
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres);
 
@@ -98,7 +100,7 @@ void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings,
 // Returns the indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`, seen from the
 // direction `view` (unit, from the surface to the eye; pass the normal where there is no eye). Diffuse light leaving
 // the surface is albedo * irradiance / pi. McGuire et al. section 5.2. 0 in a field without probe light
-// (olx_probe_light_check).
+// (olx_probe_light_check). All numbers must be finite.
 olx_vec3 olx_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                         olx_vec3 view);
 
@@ -122,10 +124,10 @@ void olx_irradiance_points(const olx_field *field, const olx_sample_settings *se
 //   Where the two differ, stored light changes in each channel as olx_volume_irradiance does, by a factor of at most 4,
 //   as far as that is as bright as the stored light; else by half of one plus the cosine between both normals.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
-// Numbers that are not finite give 0. Light is read from the best max_probes of the point's brick (of its cage in a
-// field without bricks), and where none of them sees the surface, from the best two of all; with OLX_SELECT_EXHAUSTIVE
-// from the best max_probes of all. The settings surface_tolerance, keep_buried and, for olx_irradiance, visibility have
-// an effect too.
+// Numbers that are not finite give 0. Light is read from the best max_probes, at most 128, of the point's brick (of
+// its cage in a field without bricks), and where none of them sees the surface, from the best two of all; with
+// OLX_SELECT_EXHAUSTIVE from the best max_probes of all. The settings surface_tolerance, keep_buried and, for
+// olx_irradiance, visibility have an effect too.
 olx_vec3 olx_surface_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 geometric_normal, olx_vec3 shading_normal, olx_vec3 view);
 
@@ -160,9 +162,10 @@ olx_result olx_probe_light_check(const olx_field *field);
 olx_vec3 olx_probe_irradiance(const olx_field *field, uint32_t index, olx_vec3 normal);
 
 // Estimates by one ray the light that a GGX lobe of the given roughness (perceptual, 0..1; 0 is a mirror) gathers.
-// Traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance. *weight receives the BRDF
-// times cosine over the pdf for Fresnel reflectance 1, or 0 when the reflection lies below the surface and no ray was
-// traced. *half_cosine receives the cosine for Fresnel (view . half), and *hit, which may be NULL, what the ray found.
+// Traces the reflection drawn by `random` (two numbers in [0, 1)) and returns its radiance, in which the light of a
+// second ray replaces the `lobe` of a glossy surface. *weight receives the BRDF times cosine over the pdf for Fresnel
+// reflectance 1, or 0 when the reflection lies below the surface and no ray was traced. *half_cosine receives the
+// cosine for Fresnel (view . half), and *hit, which may be NULL, what the first ray found: a miss when none was traced.
 olx_vec3 olx_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position, olx_vec3 normal,
                     olx_vec3 view, float roughness, olx_vec2 random, float *weight, float *half_cosine,
                     olx_trace_hit *hit);

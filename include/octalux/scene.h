@@ -25,11 +25,12 @@ typedef struct olx_scene olx_scene;
 typedef struct olx_camera {
   char name[64];
   olx_vec3 eye, target, up;
-  float fov_y_degrees; // vertical field of view
+  float fov_y_degrees; // vertical field of view, above 0 and below 180
 } olx_camera;
 
 typedef struct olx_scene_info {
   uint64_t triangles, vertices;
+  // Lights are those without area, and materials in use that emit.
   uint32_t materials, textures, lights, cameras;
   uint32_t warnings; // number of elements skipped or clamped at import
   double origin[3];  // in scene coordinates, metres
@@ -81,10 +82,11 @@ olx_scene_load_settings olx_scene_load_settings_default(void);
 
 // Loads `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model to which a description
 // refers is searched for beside it and in each folder of the environment variable OCTALUX_SCENES. On success the caller
-// must free *scene.
+// must free *scene, on failure it is NULL. OLX_ERROR_UNSUPPORTED for another kind of name, OLX_ERROR_ARGUMENT for a
+// built-in scene that does not exist, OLX_ERROR_EMPTY when there are no triangles.
 olx_result olx_scene_load(const char *name, olx_scene **scene);
-// Loads a scene by `settings`; NULL means the defaults. OLX_ERROR_UNSUPPORTED when a limit was exceeded, or a file lies
-// outside the allowed folders.
+// Loads a scene by `settings`; NULL means the defaults. OLX_ERROR_UNSUPPORTED also when a limit was exceeded, or a file
+// lies outside the allowed folders.
 olx_result olx_scene_load_with(const char *name, const olx_scene_load_settings *settings, olx_scene **scene);
 
 // Writes a whole scene as one .olxs file (docs/cooked.md), through a temporary file that is synced and renamed. It
@@ -110,10 +112,12 @@ const char *olx_scene_warning(const olx_scene *scene, uint32_t index);
 olx_camera olx_scene_camera(const olx_scene *scene, uint32_t index);
 
 // Finds the camera with a name; NULL finds the first one, or creates one that sees the whole scene where there is none.
+// OLX_ERROR_ARGUMENT when no camera has the name.
 olx_result olx_scene_find_camera(const olx_scene *scene, const char *name, olx_camera *camera);
 
 // Computes the grid of a bake: the description's probe volume, or the bounds inset by half a cell. `count` replaces the
-// description's counts; NULL keeps them (4 x 4 x 4 when there are none).
+// description's counts; NULL keeps them (4 x 4 x 4 when there are none). OLX_ERROR_ARGUMENT
+// for a count of 0, and for 2^32 probes or more.
 olx_result olx_scene_probe_grid(const olx_scene *scene, const uint32_t count[3], olx_grid *grid);
 
 // Returns the name of a built-in scene, index from 0; NULL past the last.
@@ -122,8 +126,8 @@ const char *olx_builtin_name(uint32_t index);
 // ---- Relighting (octalux/relight.h) by a scene's lights and triangles.
 
 // Converts the scene's lights for a relighter: at most `most` of them, rectangles and other emissive surfaces as
-// triangles, the environment as a sky. *count receives their number. OLX_ERROR_UNSUPPORTED when there are more, or an
-// image as environment.
+// triangles with the emission at their middles, the environment as a sky. *count receives the number of all lights.
+// OLX_ERROR_UNSUPPORTED when there are more than `most`, or an image as environment.
 olx_result olx_scene_relight_lights(const olx_scene *scene, olx_light *lights, uint32_t most, uint32_t *count);
 
 // Implements olx_occlusion; `scene` is the olx_scene whose triangles are tested.
@@ -210,7 +214,7 @@ typedef struct olx_scene_content {
 olx_scene_content olx_scene_get_content(const olx_scene *scene);
 
 // Loads only the content of an .olxs file, without the structures for casting rays: the program needs neither Embree
-// nor an importer's library. On success the caller must free *content.
+// nor an importer's library. On success the caller must free *content, on failure it is NULL.
 olx_result olx_scene_content_load(const char *path, olx_scene_content **content);
 // Frees the content of olx_scene_content_load, and no other. NULL is allowed.
 void olx_scene_content_free(olx_scene_content *content);

@@ -13,11 +13,12 @@
 //      olx_surface_irradiance, olx_irradiance, olx_trace and olx_glossy there. The GLSL is installed in
 //      share/octalux/shaders.
 //
-// Threads: calls on one handle must not overlap, except for recording into different command buffers. Creating a field
-// submits to the queue and waits; the host must keep other threads off the queue meanwhile. Nothing may be destroyed or
-// resized while a command buffer that uses it is pending. Descriptor sets and pipelines do not change between frames,
-// so any number of frames may be in flight. Denoised frames depend on the history of earlier ones: they must be
-// submitted to one queue in the order of their numbers, and the passes' own barriers let each frame wait for the last.
+// Threads: calls on one handle must not overlap, except for recording into different command buffers. Creating a field,
+// classic maps or a relighter submits to the queue and waits; the host must keep other threads off the queue meanwhile.
+// Nothing may be destroyed or resized while a command buffer that uses it is pending. Descriptor sets and pipelines do
+// not change between frames, so any number of frames may be in flight. Denoised frames depend on the history of earlier
+// ones: they must be submitted to one queue in the order of their numbers, and the passes' own barriers let each frame
+// wait for the last.
 //
 // Errors: OLX_ERROR_MEMORY when host or device memory is short, OLX_ERROR_UNSUPPORTED when the device lacks something,
 // OLX_ERROR_ARGUMENT for a wrong format, layout or size, OLX_ERROR_GPU when the device is lost or refuses a call.
@@ -110,8 +111,10 @@ enum {
   OLX_VULKAN_PASS_COMPOSITE = 8
 };
 
-// The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and a format that shaders read as floats.
-// Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
+// The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and one of these formats: 1, 2 or 4
+// channels of 8 or 16 bits as UNORM, or of 16 or 32 bits as SFLOAT; 4 channels of 8 bits as SRGB, or of 8 or 16 bits in
+// the order RGBA as SNORM; 10-bit UNORM; B10G11R11; or any with depth. Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format
+// VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
 typedef struct olx_vulkan_targets {
   uint32_t width, height;     // 1 to 16384
   olx_vulkan_image depth;     // as the host's projection gives it; .r
@@ -156,7 +159,7 @@ olx_result olx_vulkan_frame_create(olx_vulkan_field *field, const olx_vulkan_tar
 
 // Replaces the images by others, of this or another size, with or without a history. The history starts again: the next
 // denoised frame has the number 0. Passes, tracers, selectors and kinds of light that targets name and the frame lacks
-// are added to those that it has. On failure the frame stays unchanged.
+// are added to those that it has. On failure the frame keeps its images and its history.
 olx_result olx_vulkan_frame_resize(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
 
 // Destroys a frame. NULL is allowed. The host's images are not touched.
@@ -289,10 +292,10 @@ olx_result olx_vulkan_update_create(olx_vulkan_field *uploaded, const olx_religh
 void olx_vulkan_update_destroy(olx_vulkan_update *update);
 
 // Records copies of what olx_relight_frame has changed since the last call. Call it outside a render pass and not
-// during olx_relight_frame, in a command buffer for the queue on which the field is used; the command buffer recorded
-// in_flight calls ago must have finished. The copies wait for all earlier commands, and all later commands wait for
-// them. They are not recorded again, so the commands must be submitted. Records nothing when nothing has changed. stats
-// may be NULL.
+// during olx_relight_frame or olx_relight_set_lights, in a command buffer for the queue on which the field is used; the
+// command buffer recorded in_flight calls ago must have finished. The copies wait for all earlier commands, and all
+// later commands wait for them. They are not recorded again, so the commands must be submitted. Records nothing when
+// nothing has changed. stats may be NULL.
 olx_result olx_vulkan_record_update(olx_vulkan_update *update, VkCommandBuffer commands,
                                     olx_vulkan_update_stats *stats);
 

@@ -58,7 +58,7 @@ class Field(Handle):
     _what = "field"
 
     def __init__(self, path: str | os.PathLike[str]):
-        """Open a field. Raises Error (FILE, FORMAT, VERSION, CHECKSUM, UNSUPPORTED)."""
+        """Open a field. Raises Error (FILE, FORMAT, VERSION, CHECKSUM, UNSUPPORTED, MEMORY)."""
         super().__init__(native.FieldHandle)
         native.check(library.olx_field_open(os.fsencode(path), ctypes.byref(self._handle)))
 
@@ -99,7 +99,7 @@ class Field(Handle):
 
     def trace(self, origins: Any, directions: Any, t_max: float = np.inf, *, out: np.ndarray | None = None,
               **settings: Any) -> np.ndarray:
-        """What rays see first, within t_max metres.
+        """What rays see first, within t_max metres, above 0.
 
         origins (..., 3): metres. directions (..., 3): unit. One origin or direction may stand for all. The result has dtype HIT and
         shape (...): "status" is MISS, FOUND or UNKNOWN, "distance_metres" is infinite for the sky, "radiance" is what the surface
@@ -125,7 +125,7 @@ class Field(Handle):
 
         positions (..., 3): metres, on the surface. normals (..., 3): unit, of the triangle, on the side that is looked at.
         shading_normals: unit, where a normal map bends them; default: normals. views: unit, to the eye; default: normals. Light that
-        leaves a diffuse surface is albedo * irradiance / pi. Numbers that are not finite give 0.
+        leaves a diffuse surface is albedo * irradiance / pi. Positions that are not finite give 0.
         """
         positions = arrays.vectors("positions", positions)
         shape = positions.shape[:-1]
@@ -151,7 +151,7 @@ class Field(Handle):
         return light
 
     def glossy(self, positions: Any, normals: Any, views: Any, roughness: Any, random: Any, **settings: Any) -> Glossy:
-        """One ray's estimate of the light that a GGX lobe gathers at each point.
+        """An estimate, by one ray or two where it meets a glossy surface, of the light that a GGX lobe gathers at each point.
 
         positions, normals, views (..., 3): metres, unit, unit (towards the eye). roughness (...): perceptual, 0 (a mirror) to 1.
         random (..., 2): in [0, 1), draws the ray. radiance * weight * Fresnel(half_cosine) is the estimate of what is reflected.

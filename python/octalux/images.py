@@ -103,7 +103,8 @@ def render(scene: Scene, field: Field | None = None, camera: Any = None, *, meth
     """Render a picture of a scene.
 
     method: "field" (indirect light from the field), "path" (path tracing, the reference) or "classic"; default "field" with a
-    field, else "path". camera: a name, or an object with name, eye, target, up and fov_y_degrees, as `Scene.cameras` has; default: the first.
+    field, else "path". camera: a name, or an object with name, eye, target, up and fov_y_degrees, as `Scene.cameras` has;
+    default: the first, or one that sees the whole scene where there is none.
     sample: settings of `Field` for its rays. Further settings are the members of olx_render_settings (include/octalux/render.h):
     width=1280, height=720, spp=4 (path: 64), bounces (path: a count, default all), diffuse="surface", "irradiance" or "traced",
     diffuse_samples, glossy_samples=4, seed=0, standard_error=False, threads=0, ... Raises Error.

@@ -348,8 +348,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_LEAST_TEXEL_SHARE 1e-5f // a smaller share of texels is rounding
 #define OLX_MOST_CHANGE 4.0f        // the greatest factor by which a normal map brightens a surface
 
-// denoise. Two pixels show the same surface when the second lies off the first one's plane by at most this many pixel
-// widths, or by this share of their distance, since normal maps tilt planes.
+// denoise. Two pixels show the same surface when the second lies off the first one's plane by less than this many pixel
+// widths plus this share of their distance, since normal maps tilt planes.
 #define OLX_PLANE_PIXELS 2.0f
 #define OLX_PLANE_SLOPE 0.1f
 #define OLX_SAME_NORMAL 0.9f     // the least cosine between two pixels' normals for history to be reused between them

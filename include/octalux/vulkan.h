@@ -53,8 +53,8 @@ typedef struct olx_vulkan_host {
   // VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
   // Whether the device was created with the feature textureCompressionBC. It then holds light and material in the
-  // field's blocks; otherwise blocks are decoded to four times their bytes, and base colour to eight times
-  // (octalux/field.h, olx_field_info.maps.compressed).
+  // field's blocks; otherwise blocks are decoded: light to four times its bytes, base colour to eight times, roughness
+  // and reflectance to twice (octalux/field.h, olx_field_info.maps.compressed).
   bool texture_compression_bc;
 } olx_vulkan_host;
 
@@ -124,7 +124,8 @@ typedef struct olx_vulkan_targets {
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
   // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface
   // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
-  // The normal of the triangle, of either side. None: it is derived from depth, which needs 24 bits or more.
+  // The normal of the triangle, of either side; olx_vulkan_record_glossy traces no ray behind it. None: it is derived
+  // from depth, which needs 24 bits or more, and rays are traced in all directions.
   olx_vulkan_image geometric_normal;
   // The normal interpolated between the triangle's corners, on the side towards the eye; `normal` is this one bent by
   // normal maps. None: `normal` replaces it, and normal maps do not show in stored light.
@@ -253,7 +254,7 @@ olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field
 void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
 
 // Returns the descriptor set that shaders/lib/classic.glsl reads in addition to the field's, or its layout. Both belong
-// to `classic`.
+// to `classic` and are visible to compute shaders.
 VkDescriptorSetLayout olx_vulkan_classic_set_layout(const olx_vulkan_classic *classic);
 VkDescriptorSet olx_vulkan_classic_set(const olx_vulkan_classic *classic);
 

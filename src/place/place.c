@@ -139,10 +139,10 @@ static olx_result check_settings(const olx_place_settings *s) {
   return check_grid(&s->grid);
 }
 
-// Converts the budget to a count, and replaces a coverage of 0 by its default.
+// Converts the budget to a count, except for a grid, which ignores it, and replaces a coverage of 0 by its default.
 static olx_result resolve(const olx_world *world, olx_place_settings *s) {
   const uint32_t pinned = world->scene->probe_rules.pinned_count;
-  if (s->budget_mb > 0.0) {
+  if (s->budget_mb > 0.0 && s->method != OLX_PLACE_GRID) {
     uint32_t count;
     OLX_TRY(olx_budget_count(world, s, &count));
     if (s->count == 0 || count < s->count) s->count = count;

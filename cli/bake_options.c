@@ -19,11 +19,12 @@ const option bake_basic_options[] = {
 
 const option bake_quality_options[] = {
     {"--noise", OPTION_REAL, offsetof(bake_options, settings.noise), "SHARE",
-     "standard error of indirect light at most; default 0.02"},
+     "standard error of indirect light at most; default 0.02", .least = OLX_NOISE_LEAST, .most = OLX_NOISE_MOST},
     {"--samples", OPTION_COUNT, offsetof(bake_options, settings.samples), "N",
      "samples along a texel's side; default 2", OLX_SAMPLES_LEAST, OLX_SAMPLES_MOST},
     {"--light-samples", OPTION_COUNT, offsetof(bake_options, settings.light_samples), "N",
-     "shadow rays for each sample and area light; default 1", OLX_LIGHT_SAMPLES_LEAST, OLX_LIGHT_SAMPLES_MOST},
+     "shadow rays for each sample and each group of lights with area; default 1", OLX_LIGHT_SAMPLES_LEAST,
+     OLX_LIGHT_SAMPLES_MOST},
     {"--bounces", OPTION_COUNT, offsetof(bake_options, settings.bounces), "N",
      "most bounces after direct light; they end when they bring little light; default 32", 0, OLX_BOUNCES_MOST},
     {"--volume-cells", OPTION_COUNT, offsetof(bake_options, settings.volume_cells), "N",
@@ -93,7 +94,7 @@ static olx_result load_probes(const olx_scene *scene, const char *path, olx_bake
   const olx_result result = olx_probe_set_load(path, info.origin, &set);
   if (result != OLX_OK) return result;
   if (set.scene_hash && set.scene_hash != info.hash) {
-    fprintf(stderr, "octalux: %s: placed in another scene, or in another version of this one\n", path);
+    warn("%s: placed in another scene, or in another version of this one", path);
   }
   const olx_result taken = take_probes(&set, settings);
   olx_probe_set_free(&set);

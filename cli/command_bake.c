@@ -352,8 +352,8 @@ int bake_with(const bake_driver *driver, int argc, char **argv) {
   bake_command c = {.given = bake_options_begin(), .driver = driver, .work.driven = driver != NULL};
   command_line line = {.name = driver ? driver->name : "bake",
                        .summary = driver ? driver->summary
-                                         : "Bake a scene's light into a field: what its probes see, and their "
-                                           "irradiance.",
+                                         : "Bake a scene's light into a field: what its probes see, and the "
+                                           "light there.",
                        .example = driver ? driver->example : "octalux bake room.gltf --probes probes.json -o room.olx",
                        .arguments = {"SCENE"},
                        .tables = {{output_option, &c.output},

@@ -93,8 +93,10 @@ static int check_frames(render_options *o) {
   if (o->cut && (!o->from_camera || o->cut >= o->frames)) {
     return usage_error("render", "--cut goes with --from-camera, and is less than --frames");
   }
-  if (o->emitters && o->mode == MODE_PREFILTERED) {
-    return usage_error("render", "--emitters traced needs traced diffuse light: --mode gather or denoised");
+  const bool stored = o->diffuse != NOT_GIVEN ? o->diffuse != OLX_DIFFUSE_TRACED : o->mode == MODE_PREFILTERED;
+  if (o->emitters && stored) {
+    return usage_error("render",
+                       "--emitters traced needs traced diffuse light: --mode gather or denoised, or --diffuse traced");
   }
   return EXIT_DONE;
 }

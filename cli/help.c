@@ -52,7 +52,7 @@ static uint32_t print_options(const command_line *line, bool all) {
       continue;
     }
     if (title) printf("\n%s:\n", title);
-    char left[160];
+    char left[MOST_FORM];
     write_left(at.row, left, sizeof left);
     print_left_and_right(left, at.row->help);
   }
@@ -104,7 +104,7 @@ static void print_manual(const command_line *line) {
   print_synopsis(line);
   printf("\n.SH OPTIONS\n");
   for (option_place at = {line->tables, NULL}; next_option(&at);) {
-    char left[160];
+    char left[MOST_FORM];
     write_left(at.row, left, sizeof left);
     if (title_at(&at)) printf(".SS %s\n", title_at(&at));
     printf(".TP\n");

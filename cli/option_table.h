@@ -15,7 +15,7 @@ typedef enum option_kind {
   OPTION_COUNT,        // uint32_t in min..max
   OPTION_POWER_OF_TWO, // uint32_t in min..max
   OPTION_BOUNCES,      // uint32_t in min..max, or UINT32_MAX for "inf"
-  OPTION_REAL,         // float above 0
+  OPTION_REAL,         // float above 0, and in least..most where most is not 0
   OPTION_DOUBLE,       // double above 0
   OPTION_SIZE,         // uint32_t[2], "1280x720", each in min..max
   OPTION_GRID,         // uint32_t[3], "4x4x4", each in min..max
@@ -33,6 +33,7 @@ typedef struct option {
   const char *form; // how its value is shown in the help
   const char *help;
   uint32_t min, max;
+  float least, most;
 } option;
 
 // A part of a command's options, and the settings that it changes. A command begins, without a title, with its most
@@ -46,7 +47,7 @@ typedef struct option_table {
 // The title of options that are only shown by --help all.
 #define RESEARCH "Research"
 
-enum { MAX_ARGUMENTS = 2, MOST_TABLES = 11, MOST_OPTIONS = 96 };
+enum { MAX_ARGUMENTS = 2, MOST_TABLES = 11, MOST_OPTIONS = 96, MOST_FORM = 512 }; // MOST_FORM: of a value in words
 
 typedef struct command_line {
   const char *name, *summary, *example; // example: a typical command line; may be NULL

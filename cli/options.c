@@ -149,6 +149,7 @@ static bool parse_value(const option *o, const char *text, void *value) {
     return true;
   case OPTION_REAL:
     if (!parse_real(text, &real)) return false;
+    if (o->most > 0.0f && !((float)real >= o->least && (float)real <= o->most)) return false;
     *(float *)value = (float)real;
     return true;
   case OPTION_DOUBLE: return parse_real(text, value);
@@ -166,6 +167,10 @@ static void describe_value(const option *o, char *text, size_t size) {
   case OPTION_POWER_OF_TWO: snprintf(text, size, "a power of two from %u to %u", o->min, o->max); break;
   case OPTION_BOUNCES: snprintf(text, size, "a whole number from %u to %u, or inf", o->min, o->max); break;
   case OPTION_REAL:
+    if (o->least > 0.0f) snprintf(text, size, "a number from %g to %g", (double)o->least, (double)o->most);
+    else if (o->most > 0.0f) snprintf(text, size, "a number above 0 and at most %g", (double)o->most);
+    else snprintf(text, size, "a number above 0");
+    break;
   case OPTION_DOUBLE: snprintf(text, size, "a number above 0"); break;
   case OPTION_SIZE: snprintf(text, size, "a size like 1280x720, each from %u to %u", o->min, o->max); break;
   case OPTION_GRID: snprintf(text, size, "a grid like 4x4x4, each from %u to %u", o->min, o->max); break;
@@ -208,7 +213,7 @@ static void note_given(command_line *line, const option *o) {
 }
 
 static bool take_value(command_line *line, const option *o, const char *text, void *value) {
-  char wanted[160];
+  char wanted[MOST_FORM];
   if (!text) return usage_error(line->name, "%s needs a value: %s", o->name, o->form) == EXIT_DONE;
   if (parse_value(o, text, value)) return true;
   describe_value(o, wanted, sizeof wanted);

@@ -43,6 +43,7 @@ expect_usage "\-\-from-camera goes with" render $scene -o a.exr "${field[@]}" --
 expect_usage "\-\-cut goes with" render $scene -o a.exr "${field[@]}" --mode denoised --frames 3 --cut 1
 expect_usage "less than --frames" render $scene -o a.exr "${field[@]}" --frames 3 --from-camera lit --cut 3
 expect_usage "needs traced diffuse light" render $scene -o a.exr "${field[@]}" --mode prefiltered --emitters traced
+expect_usage "needs traced diffuse light" render $scene -o a.exr "${field[@]}" --diffuse surface --emitters traced
 expect_usage "goes with --method field" render $scene -o a.exr --method path --mode denoised
 expect_failure "no camera named \"x\"" render $scene -o a.exr "${field[@]}" --frames 3 --from-camera x
 finish

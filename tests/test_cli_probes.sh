@@ -30,6 +30,12 @@ for select in voronoi octree bricks; do
     audit $scene --field both.olx --rays 5000 --points 0 --select $select
 done
 
+# Probes of another scene are taken with a warning, which --quiet leaves out.
+expect 0 bake builtin:cornell -o x.olx --probes probes.json --dry-run $small
+grep -q "warning: probes.json: placed in another scene" stderr.txt || fail "no warning of another scene's probes"
+expect 0 bake builtin:cornell -o x.olx --probes probes.json --dry-run $small --quiet
+[ -s stderr.txt ] && fail "--quiet warns"
+
 # A budget places probes and chooses maps; with the size of maps given it chooses how many probes, with probes given it
 # chooses their maps, and with both it is a check. The file keeps to it.
 rough="--noise 0.5 --samples 1 --bounces 0"
@@ -46,6 +52,9 @@ expect_failure "a budget of 0.005 MB does not hold a field of 5 probes: .* it ta
 expect_failure "5 probes of 512 x 512 texels take about 3.6[0-9]* MB, more than the budget of 1 MB" \
   bake $scene -o x.olx --budget 1 --radiance-size 512 --probes probes.json
 expect_usage "budget" bake $scene -o x.olx --budget 0
+expect 0 place $scene --method grid --grid 2x2x2 --budget 0.001 -o grid.json # which ignores the budget
+expect_usage "--coverage: '2' is not a number above 0 and at most 1" place $scene -o x.json --coverage 2
+expect_usage "--noise: '2' is not a number from 0.001 to 1" bake $scene -o x.olx --noise 2
 
 # Impossible requests are refused: a selector that was not baked, a cage without a grid, contradictory options, broken
 # files.

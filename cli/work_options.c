@@ -61,13 +61,13 @@ static bool can_be_private(const char *folder) {
   return private;
 }
 
-// Returns whether a bake uses a work folder: when it is long, or when its folder already exists.
+// Returns whether a bake uses a work folder: when it is long and can be kept, or when its folder already exists.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
                          const char *folder) {
   olx_bake_sizes sizes;
   if (access(folder, F_OK) == 0) return true;
   if (olx_bake_measure(scene, settings, output, &sizes) != OLX_OK || sizes.rays <= LONG_BAKE_RAYS) return false;
-  return can_be_private(folder);
+  return sizes.work_bytes > 0 && can_be_private(folder);
 }
 
 static int check_given(const work_options *given, const olx_bake_settings *settings) {
@@ -99,8 +99,8 @@ int resolve_work_options(const olx_scene *scene, const work_options *given, cons
   const int length = snprintf(line->folder, sizeof line->folder, "%s%s", given->folder ? given->folder : output,
                               given->folder ? "" : ".work");
   if (length >= (int)sizeof line->folder) return failure("bake", "the name of the work folder is too long");
-  const bool asked = given->driven || given->folder || given->keep || given->fresh || given->explain ||
-                     given->limit > 0.0f;
+  const bool asked =
+      given->driven || given->folder || given->keep || given->fresh || given->explain || given->limit > 0.0f;
   if (!asked && !wants_folder(scene, settings, output, line->folder)) return EXIT_DONE;
   work->folder = line->folder;
   work->fresh = given->fresh;

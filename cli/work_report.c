@@ -31,15 +31,20 @@ void count_work_unit(work_report *report, const olx_bake_unit *unit) {
   if (!unit->found) count_reason(stage, unit->why);
 }
 
-// Returns a reason in words.
-static const char *in_words(const char *why) {
-  if (strcmp(why, "new") == 0) return "not stored before";
-  if (strcmp(why, "unreadable") == 0) return "its file could not be read";
-  return strcmp(why, "damaged") == 0 ? "its file was damaged" : why;
-}
+// Reasons that name no parts of the scene, and what follows "because" for each.
+static const struct {
+  const char *why, *words;
+} REASONS[] = {{"new", "not stored before"},
+               {"unreadable", "its file could not be read"},
+               {"damaged", "its file was damaged"},
+               {"another scene", "it was of another scene"}};
 
-static bool is_change(const char *why) {
-  return strcmp(why, "new") != 0 && strcmp(why, "damaged") != 0 && strcmp(why, "unreadable") != 0;
+// Returns a reason in words, or NULL for the names of changed parts.
+static const char *in_words(const char *why) {
+  for (size_t i = 0; i < sizeof REASONS / sizeof *REASONS; i++) {
+    if (strcmp(why, REASONS[i].why) == 0) return REASONS[i].words;
+  }
+  return NULL;
 }
 
 void print_work_report(const work_report *report) {
@@ -48,8 +53,8 @@ void print_work_report(const work_report *report) {
     printf("  %-10s %u reused, %u computed", stage->name, stage->found, stage->made);
     for (uint32_t k = 0; k < WORK_REASONS && stage->reasons[k].count > 0; k++) {
       const work_reason *reason = &stage->reasons[k];
-      printf("%s %u because %s%s", k ? "," : ":", reason->count, is_change(reason->why) ? "of other " : "",
-             in_words(reason->why));
+      const char *words = in_words(reason->why);
+      printf("%s %u because %s%s", k ? "," : ":", reason->count, words ? "" : "of other ", words ? words : reason->why);
     }
     printf("\n");
   }

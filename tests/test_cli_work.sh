@@ -64,17 +64,22 @@ for file in whole/*; do
     complains 1 "$name: is damaged" join damaged -o old.olx ;;
   esac
 done
-rm -f whole/probe-0-2.unit
-complains 75 "units of the stage 'probe' are not there yet" join whole -o old.olx
+rm -f whole/probe-0-2.unit whole/probe-0-3.unit
+complains 75 "2 of 4 units of the stage 'probe' are not there yet" join whole -o old.olx
+
+# A field is refused a place among the results, where it would replace one, or go with them.
+complains 1 "parts/a.olx: lies in the work folder parts" join parts -o parts/a.olx
+complains 1 "parts/plan-0-0.unit: lies in the work folder ./parts" bake "${scene[@]}" -o parts/plan-0-0.unit --work ./parts
 expect 0 join parts -o joined.olx
 cmp -s joined.olx whole.olx || fail "parts made another field"
 [ -e parts ] && fail "joining left the folder"
 
 # Folders of other bakes or other machines, and folders that are not work folders, are refused.
 expect 0 bake "${scene[@]}" -o kept.olx --work kept --keep-work
-complains 1 "another bake: its settings is" bake "${scene[@]}" --seed 1 -o old.olx --work kept
-complains 1 "another bake: its geometry is" bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
-complains 1 "another bake: its instructions is" bake "${scene[@]}" --isa sse2 -o old.olx --work kept
+complains 1 "another bake, with 'settings " bake "${scene[@]}" --seed 1 -o old.olx --work kept
+complains 1 "another bake, with 'geometry " bake builtin:pillars --grid 2x1x2 --radiance-size 16 --noise 0.3 -o old.olx --work kept
+complains 1 "another bake, with 'instructions " bake "${scene[@]}" --isa sse2 -o old.olx --work kept
+complains 1 "another bake, with 'settings .*'; name another folder$" bake "${scene[@]}" --seed 1 --work kept --part 1/2
 mkdir -m 700 foreign
 echo mine >foreign/notes.txt
 complains 1 "foreign: not a work folder" bake "${scene[@]}" -o old.olx --work foreign
@@ -118,6 +123,13 @@ complains 1 "old.olx.work: the work folder is of another bake" bake "${scene[@]}
 expect 0 bake "${scene[@]}" -o new.olx --work old.olx.work --fresh
 [ -e old.olx.work ] && fail "the folder stayed"
 cmp -s new.olx whole.olx || fail "another field after another bake"
+
+# A long bake whose results cannot be kept has no folder, unless one is named.
+classic=(builtin:cornell --grid 8x8x8 --classic --light reference)
+timeout 2 "$OCTALUX" bake "${classic[@]}" -o old.olx >stdout.txt 2>stderr.txt
+[ $? = 124 ] || fail "a long classic bake does not begin: $(cat stderr.txt)"
+[ -e old.olx.work ] && fail "a folder for results that cannot be kept"
+complains 1 "a work folder cannot keep classic maps" bake "${classic[@]}" -o old.olx --work classic.work
 
 # A disk that becomes full at ever later moments causes an error, wherever it is noticed, and the next bake resumes.
 full=0

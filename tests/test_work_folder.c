@@ -126,9 +126,9 @@ static void another_bake_is_refused_by_what_differs(void **state) {
   put_unit_text(folder, &probe_3, "a result");
   olx_work_folder_close(folder);
   assert_int_equal(work_place_open_as(p, &moved, OLX_WORK_ALONE, false, &folder), OLX_ERROR_ARGUMENT);
-  assert_non_null(strstr(olx_last_error(), "its scene is a, and this one's is b"));
+  assert_non_null(strstr(olx_last_error(), "with 'scene a' in place of 'scene b'"));
   assert_int_equal(work_place_open_as(p, &wider, OLX_WORK_ALONE, false, &folder), OLX_ERROR_ARGUMENT);
-  assert_non_null(strstr(olx_last_error(), "its instructions is avx2, and this one's is avx512"));
+  assert_non_null(strstr(olx_last_error(), "with 'instructions avx2' in place of 'instructions avx512'"));
   folder = work_place_open(p);
   holds_unit_text(folder, &probe_3, "a result");
   olx_work_folder_close(folder);

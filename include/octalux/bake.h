@@ -185,7 +185,8 @@ typedef struct olx_bake_sizes {
   uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
                          // links (olx_bake_stats.light_bytes)
   uint64_t link_bytes;   // the most for links between surfels; most scenes need less. 0 with OLX_LIGHT_REFERENCE
-  uint64_t work_bytes;   // the most in a work folder: the light of the scene, and maps in addition to those of the file
+  uint64_t work_bytes;   // the most in a work folder: the light of the scene, and maps in addition to those of the
+                         // file; 0 for classic maps with bounces between irradiance probes, which none can keep
   uint64_t rays;         // of all probes, without shadows and reflections
   uint64_t available_memory_bytes, available_disk_bytes; // UINT64_MAX: unknown
 } olx_bake_sizes;

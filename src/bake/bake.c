@@ -370,6 +370,7 @@ olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *set
   used.work.part = used.work.parts = 0;
   OLX_TRY(check_bake(scene, &used, path));
   OLX_TRY(olx_scene_check_output(scene, path));
+  if (used.work.folder) OLX_TRY(olx_bake_check_apart(path, used.work.folder));
   OLX_TRY(olx_bake_work_open(scene, &used, &store));
   olx_unit_store_close(store, false);
   return OLX_OK;
@@ -409,6 +410,7 @@ olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, c
   const bool writes = settings->work.parts == 0;
   OLX_TRY(check_bake(scene, settings, writes ? path : NULL));
   if (writes) OLX_TRY(olx_scene_check_output(scene, path));
+  if (writes && settings->work.folder) OLX_TRY(olx_bake_check_apart(path, settings->work.folder));
   warn_about_light(scene);
   olx_bake_settings used = without_idle_spacings(settings);
   olx_bake_run b = {.context = {.scene = scene, .settings = &used}};

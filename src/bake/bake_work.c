@@ -8,8 +8,10 @@
 #include "core/result.h"
 #include "scene/bvh.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { UNIT_FORMAT = 3 }; // format of stored units; to be raised whenever it changes
@@ -126,6 +128,10 @@ static bool wait_for_others(void *user, double waited_seconds) {
   return work->wait(work->user, waited_seconds);
 }
 
+bool olx_bake_can_be_kept(const olx_bake_settings *s) {
+  return !s->classic || (s->bounce_gather == OLX_GATHER_SOLVED && s->light == OLX_LIGHT_CACHE);
+}
+
 olx_result olx_bake_work_check(const olx_bake_settings *s) {
   const olx_bake_work *work = &s->work;
   if (!work->folder) {
@@ -136,9 +142,22 @@ olx_result olx_bake_work_check(const olx_bake_settings *s) {
                     work->parts);
   }
   if (work->parts && work->fresh) return olx_fail(OLX_ERROR_ARGUMENT, "bake: a part cannot forget what others made");
-  if (!s->classic || (s->bounce_gather == OLX_GATHER_SOLVED && s->light == OLX_LIGHT_CACHE)) return OLX_OK;
+  if (olx_bake_can_be_kept(s)) return OLX_OK;
   return olx_fail(OLX_ERROR_UNSUPPORTED,
                   "bake: a work folder cannot keep classic maps with bounces between irradiance probes");
+}
+
+olx_result olx_bake_check_apart(const char *path, const char *folder) {
+  const char *slash = strrchr(path, '/');
+  char parent[PATH_MAX] = ".";
+  struct stat outputs, results;
+  const size_t length = slash == path ? 1 : slash ? (size_t)(slash - path) : 0;
+  if (length >= sizeof parent) return olx_fail(OLX_ERROR_FILE, "%s: the name is too long", path);
+  if (length > 0) snprintf(parent, sizeof parent, "%.*s", (int)length, path);
+  if (stat(folder, &results) != 0 || stat(parent, &outputs) != 0) return OLX_OK;
+  if (results.st_dev != outputs.st_dev || results.st_ino != outputs.st_ino) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "%s: lies in the work folder %s, where only results of the bake may be", path,
+                  folder);
 }
 
 olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store) {
@@ -204,6 +223,7 @@ olx_result olx_bake_join(const char *folder, const char *path, bool keep, const 
   memset(&joined, 0, sizeof joined);
   olx_bake_run b = {.context = {.scene = &joined.scene, .settings = &joined.settings}, .joined = &joined};
   OLX_TRY(olx_output_check(path, false));
+  OLX_TRY(olx_bake_check_apart(path, folder));
   OLX_TRY(olx_unit_store_open(&opening, &b.store));
   olx_result result = check_build(b.store, folder);
   if (result == OLX_OK) result = join(&b, path, progress);

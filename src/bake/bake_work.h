@@ -6,8 +6,13 @@
 
 #include <octalux/bake.h>
 
+// Returns whether a work folder can keep the results of a bake with these settings.
+bool olx_bake_can_be_kept(const olx_bake_settings *settings);
+
 // Checks what the settings say of the work folder, without looking at the folder itself.
 olx_result olx_bake_work_check(const olx_bake_settings *settings);
+// Refuses an output in the work folder itself, which would replace a result there, or be removed with the folder.
+olx_result olx_bake_check_apart(const char *path, const char *folder);
 // Opens the store of the bake's units; *store is NULL where the settings name no folder.
 olx_result olx_bake_work_open(const olx_scene *scene, const olx_bake_settings *settings, olx_unit_store **store);
 // Closes the store. The folder is removed once the field is written, unless the settings keep it.

@@ -251,16 +251,19 @@ static bool has_unit(const void *user, uint32_t unit) {
   return is_stored(place->store, &name);
 }
 
+static uint32_t count_missing(const olx_unit_store *s, const olx_unit_stage *stage) {
+  const stage_place place = {s, stage};
+  uint32_t missing = 0;
+  for (uint32_t unit = 0; unit < stage->count; unit++) missing += !has_unit(&place, unit);
+  return missing;
+}
+
 static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
   const stage_place place = {s, stage};
   olx_unit_deal deal = deal_of(s, stage);
-  uint32_t missing = 0, next;
+  uint32_t next;
   while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next, UNIT_MISSING));
-  // Other parts may have stored theirs since.
-  for (uint32_t unit = 0; unit < stage->count; unit++) {
-    const olx_unit_name name = name_of(stage, unit);
-    missing += !is_stored(s, &name);
-  }
+  const uint32_t missing = count_missing(s, stage); // other parts may have stored theirs since
   return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
 }
 
@@ -270,7 +273,7 @@ static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
     unit_fate fate = UNIT_MISSING;
     if (is_stored(s, &name)) OLX_TRY(load_unit(s, stage, unit, &fate));
     if (fate == UNIT_LOADED) continue;
-    if (olx_unit_store_joins(s)) return refuse_missing(s, stage, 1);
+    if (olx_unit_store_joins(s)) return refuse_missing(s, stage, count_missing(s, stage));
     OLX_TRY(make_unit(s, stage, unit, fate));
   }
   return OLX_OK;

@@ -157,17 +157,20 @@ static bool is_same_but_for_scene(const olx_manifest *is, const olx_manifest *wa
   return strcmp(a.text, b.text) == 0;
 }
 
-static olx_result refuse_other_bake(const olx_work_folder *f, const olx_manifest *wanted) {
+static olx_result refuse_other_bake(const olx_work_folder *f, const olx_work_folder_settings *settings) {
+  const olx_manifest *wanted = settings->manifest;
+  const bool alone = settings->lock == OLX_WORK_ALONE; // a part cannot forget what others made
+  const bool edited = alone && is_same_but_for_scene(&f->manifest, wanted);
   char name[64] = "";
   for (const char *line = wanted->text; *line; line = strchr(line, '\n') + 1) {
     snprintf(name, sizeof name, "%.*s", (int)strcspn(line, " "), line);
     const olx_manifest_value is = olx_manifest_find(&f->manifest, name), want = olx_manifest_find(wanted, name);
     if (strcmp(is.text, want.text) == 0) continue;
     return olx_fail(OLX_ERROR_ARGUMENT,
-                    "%s: the work folder is of another bake: its %s is %s, and this one's is %s; begin again with "
-                    "--fresh, or name another folder%s",
-                    f->path, name, *is.text ? is.text : "not known", want.text,
-                    is_same_but_for_scene(&f->manifest, wanted) ? ", or reuse what still holds with --keep-work" : "");
+                    "%s: the work folder is of another bake, with '%s %s' in place of '%s %s'; %sname another folder%s",
+                    f->path, name, *is.text ? is.text : "(not known)", name, want.text,
+                    alone ? "begin again with --fresh, or " : "",
+                    edited ? ", or reuse what still holds with --keep-work" : "");
   }
   return olx_fail(OLX_ERROR_ARGUMENT, "%s: the work folder is of another bake", f->path);
 }
@@ -484,7 +487,7 @@ static olx_result use_manifest(olx_work_folder *f, const olx_work_folder_setting
   OLX_TRY(go_through(f, false, &content));
   f->bytes = content.bytes;
   if (!manifest || strcmp(manifest->text, f->manifest.text) == 0) return OLX_OK;
-  if (!settings->edited || !is_same_but_for_scene(&f->manifest, manifest)) return refuse_other_bake(f, manifest);
+  if (!settings->edited || !is_same_but_for_scene(&f->manifest, manifest)) return refuse_other_bake(f, settings);
   f->edited = olx_manifest_differing(manifest, &f->manifest);
   return write_manifest(f, manifest); // units keep their keys, by which it shows which of them still hold
 }

@@ -1,6 +1,7 @@
 // Computes the size of a bake's files and memory before it begins, from the code that lays out and allocates them, and
 // refuses a bake that does not fit the machine.
 #include "bake/bake_run.h"
+#include "bake/bake_work.h"
 #include "bake/bake_settings.h"
 #include "bake/cost/available.h"
 #include "core/parallel.h"
@@ -47,6 +48,7 @@ static uint64_t links_of(const olx_bake_settings *settings) {
 // stores it only for some tiles, and every tile of surfaces at full resolution. Links are stored once; surfels and the
 // repeated checkpoints of light take less than the difference.
 static uint64_t work_of(const olx_bake_run *b, const olx_field_layout *layout) {
+  if (!olx_bake_can_be_kept(b->context.settings)) return 0;
   const uint64_t size = b->context.settings->radiance_size;
   const uint64_t texels = b->context.probes.light_field.count * size * size,
                  surfaces = b->context.settings->uncompressed ? 0 : olx_surface_most_bytes(texels);

@@ -3,6 +3,12 @@
 #include "field/field_chunks.h"
 #include "field/selector_data.h"
 
+olx_result olx_coded_probes_check(uint32_t probe_count, const char *chunk, const char *name) {
+  if (probe_count <= OLX_MAX_CODED_PROBES) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: for at most %d probes, not %u", name, chunk, OLX_MAX_CODED_PROBES,
+                  probe_count);
+}
+
 static olx_result find_selector(olx_field *field, olx_select select) {
   const olx_chunk_file file = olx_field_file(field);
   const uint32_t type = olx_chunk_form_of(&field->info, olx_select_chunk(select))->type;

@@ -317,12 +317,15 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   REFUSED(i.info->irradiance_probe_count, 1, "irradiance size 0 is not a power of two");
   const uint32_t types[] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), OLX_FOUR_CC('I', 'P', 'O', 'S'),
                             OLX_FOUR_CC('I', 'F', 'L', 'G'), OLX_FOUR_CC('I', 'R', 'R', 'A'),
-                            OLX_FOUR_CC('M', 'O', 'M', 'E')};
+                            OLX_FOUR_CC('I', 'R', 'S', 'H'), OLX_FOUR_CC('M', 'O', 'M', 'E')};
   // The chunk of lights is the only one after the required chunks, except the tiles of emission, that opening reads.
   olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2];
-  for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
-    REFUSED(lights->type, types[k], "but the description has no irradiance probes");
+  for (lights->flags = 0; lights->flags <= OLX_CHUNK_OPTIONAL; lights->flags++) {
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
+      REFUSED(lights->type, types[k], "but the description has no irradiance probes");
+    }
   }
+  lights->flags = 0;
   // The description claims irradiance probes that the file does not have.
   i.info->irradiance_probe_count = 1;
   i.info->irradiance_size = 8;

@@ -14,7 +14,7 @@ static olx_result find_selector(olx_field *field, olx_select select) {
   const uint32_t type = olx_chunk_form_of(&field->info, olx_select_chunk(select))->type;
   const bool named = (field->info.select_mask & 1u << select) != 0;
   const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find_optional(&file, type, &chunk));
+  OLX_TRY(olx_chunk_find_bytes(&file, type, &chunk));
   if (named != (chunk != NULL)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: %s chunk %s, but the description %s", field->name, chunk ? "a" : "no",
                     olx_chunk_type_name(type).text, named ? "names its selector" : "does not name its selector");

@@ -53,6 +53,14 @@ field_image field_image_load(field_fixture *f, const synthetic_shape *shape) {
 
 void *field_chunk(const field_image *i, olx_chunk_kind kind) { return i->bytes + i->chunks[kind].offset; }
 
+olx_file_chunk *field_chunk_of_type(const field_image *i, uint32_t type) {
+  for (uint32_t k = 0; k < i->sealed; k++) {
+    if (i->chunks[k].type == type) return &i->chunks[k];
+  }
+  fail_msg("no chunk %s", olx_chunk_type_name(type).text);
+  return NULL;
+}
+
 void field_seal(const field_image *i) {
   for (uint32_t k = 0; k < i->sealed; k++) {
     i->chunks[k].hash = olx_content_hash(i->bytes + i->chunks[k].offset, i->chunks[k].size_bytes);

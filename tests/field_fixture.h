@@ -55,6 +55,8 @@ typedef struct field_image {
 } field_image;
 field_image field_image_load(field_fixture *f, const synthetic_shape *shape);
 void *field_chunk(const field_image *i, olx_chunk_kind kind);
+// Returns the table's entry of the chunk of that type, which the file has.
+olx_file_chunk *field_chunk_of_type(const field_image *i, uint32_t type);
 
 // Make all checksums right again, or only those of the table and the header.
 void field_seal(const field_image *i);

@@ -13,6 +13,7 @@ in a baked field when directions, distances, normals and the scale are decoded a
 """
 
 import array
+import itertools
 import json
 import math
 import struct
@@ -56,7 +57,7 @@ def read_chunks(data):
             chunks[name] = (data[offset:offset + size], record, element)
         else:
             need(flags & 1, f"{name}: required and unknown")
-            if name in SELECTORS + CLASSIC + VOLUME:
+            if name in SELECTORS + CLASSIC + VOLUME + RELIGHT:
                 need(name not in chunks, f"{name}: twice")
                 chunks[name] = (data[offset:offset + size], record, element)
     need(end == len(data), "bytes after the last chunk")
@@ -78,6 +79,7 @@ PLANES = ("GEOM", "PLAN")
 SELECTORS = ("VORO", "OCTR", "BRIK")
 CLASSIC = ("CLAS", "CIRR", "CRAD", "CBOX")
 VOLUME = ("VOLU", "VPOS", "VIRR")
+RELIGHT = ("RLIT",)
 
 
 def node_sides(n):
@@ -146,6 +148,10 @@ def read_origin(chunks):
     origin = list(struct.unpack("<3d", blob))
     need(any(origin) and all(abs(value) <= 2e7 for value in origin), "ORIG: 0, or not within 2e7 m")
     return origin
+
+
+def is_coordinate(metres):
+    return abs(metres) <= 1e18
 
 
 def read_grid(blob, offset):
@@ -620,6 +626,9 @@ def check_lights(blob):
     return len(blob) // 64
 
 
+ROUNDING = 2.0 ** -9  # of moments
+
+
 def check_irradiance_probe(chunks, d, probe):
     m = d["m"]
     irradiance, moments = record(chunks, irradiance_chunk(d)[0], probe), record(chunks, "MOME", probe)
@@ -634,8 +643,15 @@ def check_irradiance_probe(chunks, d, probe):
     check_border(f"MOME of probe {probe}", moments, m)
     for code in moments:
         mean, square = decode_half(code & 0xFFFF), decode_half(code >> 16)
-        need(0 <= mean <= 1.01 and 0 <= square < math.inf, f"MOME of probe {probe}")
-        need(mean * mean <= square * (1 + 2.0 ** -9) + 2.0 ** -24, f"MOME of probe {probe}: variance")
+        need(0 <= mean <= 1.01 and 0 <= square <= 1.01 ** 2 * (1 + ROUNDING), f"MOME of probe {probe}")
+        need(mean * mean <= square * (1 + ROUNDING) + 2.0 ** -24, f"MOME of probe {probe}: variance")
+
+
+def bytes_of(chunks, name):
+    """What a chunk of one record of any number of u8 holds."""
+    blob, record_bytes, element_bytes = chunks[name]
+    need((element_bytes, record_bytes) == (1, len(blob)), f"{name}: not one record of bytes")
+    return blob
 
 
 def read_codes(blob, offset, count, probes):
@@ -655,7 +671,18 @@ def check_choices(name, choices, probes):
     need(all(probe < probes for probe in known), f"{name}: no such probe in {choices}")
 
 
-def check_voronoi(blob, probes):
+def check_split(tree, positions, axis=0):
+    """A k-d tree: the probes before the middle one do not lie beyond it, and those after it do not lie before it."""
+    if len(tree) < 2:
+        return
+    middle, at = len(tree) // 2, [positions[3 * probe + axis] for probe in tree]
+    need(max(at[:middle]) <= at[middle] <= min(at[middle:]), "VORO: order of the tree")
+    check_split(tree[:middle], positions, (axis + 1) % 3)
+    check_split(tree[middle + 1:], positions, (axis + 1) % 3)
+
+
+def check_voronoi(chunks, probes):
+    blob = bytes_of(chunks, "VORO")
     need(len(blob) >= 16, "VORO: size")
     size, *zeros = struct.unpack_from("<4I", blob, 0)
     need(size in (4, 8, 16, 32, 64) and not any(zeros), "VORO: header")
@@ -665,6 +692,7 @@ def check_voronoi(blob, probes):
     for i in range(0, len(maps), 4):
         check_choices("VORO", codes[i:i + 4], probes)
         need(i // 4 // (size * size) not in codes[i:i + 4], "VORO: its own neighbour")
+    check_split(tree, struct.unpack(f"<{3 * probes}f", chunks["PPOS"][0]))
 
 
 def check_octree(blob, probes):
@@ -725,7 +753,7 @@ def check_volume_entry(entry, counts, lowest):
 def check_volume(chunks):
     """Returns how many probes the volume has."""
     need(all(name in chunks for name in VOLUME), "volume: not all of it")
-    blob = chunks["VOLU"][0]
+    blob = bytes_of(chunks, "VOLU")
     need(len(blob) >= 64, "VOLU: size")
     x, y, z, cube = struct.unpack_from("<4f", blob, 0)
     nx, ny, nz, blocks, splits, cells, probes, *zeros = struct.unpack_from("<12I", blob, 16)
@@ -748,6 +776,7 @@ def check_volume(chunks):
     for name, element, elements in (("VPOS", 4, 3), ("VIRR", 2, 28)):
         blob, record, size = chunks[name]
         need((size, record, len(blob)) == (element, element * elements, element * elements * probes), name)
+    need(all(map(is_coordinate, struct.unpack(f"<{3 * probes}f", chunks["VPOS"][0]))), "VPOS")
     for probe in sample(probes):
         values = [decode_half(code) for code in record_of_halves(chunks["VIRR"][0], probe)]
         need(all(map(math.isfinite, values)) and min(values[:3]) >= 0 and values[27] == 0, f"VIRR of probe {probe}")
@@ -788,6 +817,55 @@ def check_classic(chunks, d):
     return {"size": k, "cube_size": cube, "sharpness": sharpness}
 
 
+def check_rows(name, blob, elements):
+    """Where the rows of an array start: they follow each other, from its first element to its last."""
+    starts = [start for start, in struct.iter_unpack("<I", blob)]
+    need(starts[0] == 0 and starts[-1] == elements and starts == sorted(starts), f"RLIT: {name}")
+
+
+def check_surfels(blob):
+    for i, (*places, normal, _, _) in enumerate(struct.iter_unpack("<24f3I", blob)):
+        need(all(map(is_coordinate, places)), f"RLIT: places of surfel {i}")
+        need(normal & 0xFF <= 254 and normal >> 8 <= 254, f"RLIT: normal of surfel {i}")
+
+
+def check_sources(name, blob, layout, bits, surfels):
+    """The surfels from which light comes, in some bits of each element's first word."""
+    for i, (word,) in enumerate(struct.iter_unpack(layout, blob)):
+        need(word & bits < surfels, f"RLIT: surfel of {name} {i}")
+
+
+def check_sites(blob, sites):
+    for i, (first, which) in enumerate(struct.iter_unpack("<2I", blob)):
+        last = first + max(which >> 2 * texel & 3 for texel in range(16))
+        need(first == 0xFFFFFFFF or last < sites, f"RLIT: sites of block {i}")
+
+
+def check_relight(chunks, d, volume_probes):
+    """Returns the counts that `octalux info` tells."""
+    blob = bytes_of(chunks, "RLIT")
+    need(len(blob) >= 64, "RLIT: size")
+    surfels, links, sites, entries, volume_links, blocks, probes, *zeros = struct.unpack_from("<16I", blob, 0)
+    others = (links, sites, entries, volume_links, blocks, probes)
+    need(surfels <= 2 ** 24 and max(others) <= 2 ** 28 and not any(zeros), "RLIT: header")
+    need((blocks, probes) == (d["P"] * (d["n"] // 4) ** 2, volume_probes), "RLIT: of another field")
+    sizes = (108 * surfels, 4 * (surfels + 1), 8 * links, 8 * blocks, 4 * (sites + 1), 8 * entries,
+             4 * (probes + 1), 12 * volume_links)
+    need(len(blob) == 64 + sum(sizes), "RLIT: size")
+    ends = list(itertools.accumulate(sizes, initial=64))
+    (surfel_array, link_starts, link_array, block_array, entry_starts, entry_array, volume_starts,
+     volume_array) = (blob[start:end] for start, end in zip(ends, ends[1:]))
+    check_surfels(surfel_array)
+    check_rows("links", link_starts, links)
+    check_rows("entries", entry_starts, entries)
+    check_rows("volume links", volume_starts, volume_links)
+    check_sites(block_array, sites)
+    check_sources("link", link_array, "<I4x", 0xFFFFFF, surfels)
+    check_sources("entry", entry_array, "<I4x", 0xFFFFFFFF, surfels)
+    check_sources("volume link", volume_array, "<I8x", 0xFFFFFFFF, surfels)
+    return {"surfels": surfels, "links": links}
+
+
 def sample(count):
     step = max(1, count // PROBES_LOOKED_AT)
     return range(0, count, step)
@@ -814,7 +892,7 @@ def read(path):
             need(buried == 0, "buried, but not there")
             continue
         positions = struct.unpack(f"<{3 * count}f", chunks[kind + "POS"][0])
-        need(all(abs(x) <= 1e18 for x in positions), f"{kind}POS")
+        need(all(map(is_coordinate, positions)), f"{kind}POS")
         if kind == "I" or d["has_grid"]:
             check_grid(kind + "POS", d[grid], count, positions)
         flags = chunks[kind + "FLG"][0]
@@ -829,11 +907,11 @@ def read(path):
     stored = [name for bit, name in enumerate(SELECTORS, 1) if d["selectors"] >> bit & 1]
     need(stored == [name for name in SELECTORS if name in chunks], "selectors without their chunks")
     if "VORO" in chunks:
-        check_voronoi(chunks["VORO"][0], d["P"])
+        check_voronoi(chunks, d["P"])
     if "OCTR" in chunks:
-        check_octree(chunks["OCTR"][0], d["P"])
+        check_octree(bytes_of(chunks, "OCTR"), d["P"])
     if "BRIK" in chunks:
-        check_bricks(chunks["BRIK"][0], d["P"], 8 * d["P"] * (d["n"] + 2) ** 2)
+        check_bricks(bytes_of(chunks, "BRIK"), d["P"], 8 * d["P"] * (d["n"] + 2) ** 2)
     names = [name for bit, name in enumerate(("cage", "voronoi", "octree", "bricks")) if d["selectors"] >> bit & 1]
     told = {
         "version": 2, "compressed": d["blocks"] == 1, "geometry_blocks": d["planes"] == 1, "probe_light": d["Q"] > 0, "lights": check_lights(chunks["LITE"][0]),

@@ -350,6 +350,9 @@ static void test_corrupt_structures_are_refused(void **state) {
   refused_with(&made, b->lists, 6, "names probe 6");
   refused_with(&made, b->lists, 0xFFFFu, "after its end");
   refused_with(&made, b->lists, 3u << 16 | 3u, "probe 3 twice");
+  made.count = 65536;
+  refused(&made, made.size_bytes, "chunk BRIK: for at most 65535 probes, not 65536");
+  made.count = 65535;
   assert_int_equal(olx_bricks_open(made.data, made.size_bytes, made.count, "test", &made.bricks), OLX_OK);
   release(&made);
   olx_scene_free(scene);

@@ -303,6 +303,31 @@ static void test_relighting_is_optional(void **state) {
   olx_release(i.bytes);
 }
 
+// --- Chunks of one record of bytes: selectors, the volume and the data for relighting
+
+static void test_refuses_other_records_than_one_of_bytes(void **state) {
+  synthetic_shape shape = relit;
+  shape.select_mask = 1u << OLX_SELECT_VORONOI | 1u << OLX_SELECT_OCTREE | 1u << OLX_SELECT_BRICKS;
+  const field_image i = field_image_load(*state, &shape);
+  assert_field_sound(&i);
+  static const char *const names[] = {"VORO", "OCTR", "BRIK", "RLIT"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    olx_file_chunk *chunk = field_chunk_of_type(&i, OLX_FOUR_CC(names[k][0], names[k][1], names[k][2], names[k][3]));
+    char records[64], elements[64];
+    snprintf(records, sizeof records, "chunk %s: %llu bytes in records of 1 ", names[k],
+             (unsigned long long)chunk->size_bytes);
+    snprintf(elements, sizeof elements, "chunk %s: %llu bytes in records of %llu and elements of 4", names[k],
+             (unsigned long long)chunk->size_bytes, (unsigned long long)chunk->size_bytes);
+    REFUSED(chunk->record_bytes, 1, records);
+    REFUSED(chunk->element_bytes, 4, elements);
+  }
+  olx_file_chunk *volume = field_chunk_of_type(&i, OLX_FOUR_CC('R', 'L', 'I', 'T')); // these fields have no volume
+  volume->type = OLX_FOUR_CC('V', 'O', 'L', 'U');
+  REFUSED(volume->record_bytes, 1, "in records of 1 and elements of 1");
+  REFUSED(volume->element_bytes, 4, "and elements of 4");
+  olx_release(i.bytes);
+}
+
 // --- Probe light: chunks that a description with irradiance probes requires
 
 static void test_probe_light_comes_whole_or_not_at_all(void **state) {
@@ -317,12 +342,15 @@ static void test_probe_light_comes_whole_or_not_at_all(void **state) {
   REFUSED(i.info->irradiance_probe_count, 1, "irradiance size 0 is not a power of two");
   const uint32_t types[] = {OLX_FOUR_CC('R', 'A', 'D', 'I'), OLX_FOUR_CC('I', 'P', 'O', 'S'),
                             OLX_FOUR_CC('I', 'F', 'L', 'G'), OLX_FOUR_CC('I', 'R', 'R', 'A'),
-                            OLX_FOUR_CC('M', 'O', 'M', 'E')};
+                            OLX_FOUR_CC('I', 'R', 'S', 'H'), OLX_FOUR_CC('M', 'O', 'M', 'E')};
   // The chunk of lights is the only one after the required chunks, except the tiles of emission, that opening reads.
   olx_file_chunk *lights = &i.chunks[i.header->chunk_count - 2];
-  for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
-    REFUSED(lights->type, types[k], "but the description has no irradiance probes");
+  for (lights->flags = 0; lights->flags <= OLX_CHUNK_OPTIONAL; lights->flags++) {
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++) {
+      REFUSED(lights->type, types[k], "but the description has no irradiance probes");
+    }
   }
+  lights->flags = 0;
   // The description claims irradiance probes that the file does not have.
   i.info->irradiance_probe_count = 1;
   i.info->irradiance_size = 8;
@@ -385,6 +413,7 @@ int main(void) {
       cmocka_unit_test(test_refuses_volume_links_out_of_range),
       cmocka_unit_test_setup_teardown(test_refuses_relighting_of_another_field, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_relighting_is_optional, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_other_records_than_one_of_bytes, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_probe_light_comes_whole_or_not_at_all, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_the_origin_is_read_and_checked, field_set_up, field_tear_down),
   };

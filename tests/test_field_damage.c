@@ -512,17 +512,9 @@ static void test_verify_reads_tiles(void **state) {
   olx_release(i.bytes);
 }
 
-static olx_file_chunk *chunk_of_type(const field_image *i, uint32_t type) {
-  for (uint32_t k = 0; k < i->sealed; k++) {
-    if (i->chunks[k].type == type) return &i->chunks[k];
-  }
-  fail_msg("no chunk %s", olx_chunk_type_name(type).text);
-  return NULL;
-}
-
 // Returns the first geometry block that the encoder wrote in this form.
 static olx_geometry_block *block_of_form(const field_image *i, uint32_t form) {
-  const olx_file_chunk *chunk = chunk_of_type(i, OLX_FOUR_CC('G', 'E', 'O', 'M'));
+  const olx_file_chunk *chunk = field_chunk_of_type(i, OLX_FOUR_CC('G', 'E', 'O', 'M'));
   olx_geometry_block *blocks = (olx_geometry_block *)(i->bytes + chunk->offset);
   for (size_t k = 0; k < chunk->size_bytes / sizeof *blocks; k++) {
     const uint32_t *w = blocks[k].words;
@@ -553,12 +545,12 @@ static void test_verify_reads_geometry(void **state) {
     assert_field_unverified(&i, OLX_ERROR_FORMAT, damages[k].message);
     block->words[damages[k].word] ^= damages[k].flipped;
   }
-  uint16_t *nodes = (uint16_t *)(i.bytes + chunk_of_type(&i, OLX_FOUR_CC('D', 'M', 'I', 'N'))->offset);
+  uint16_t *nodes = (uint16_t *)(i.bytes + field_chunk_of_type(&i, OLX_FOUR_CC('D', 'M', 'I', 'N'))->offset);
   nodes[3]++;
   field_seal(&i);
   assert_field_unverified(&i, OLX_ERROR_FORMAT, "least distance of probe 0, level 1, node (3, 0)");
   nodes[3]--;
-  olx_file_chunk *planes = chunk_of_type(&i, OLX_FOUR_CC('P', 'L', 'A', 'N'));
+  olx_file_chunk *planes = field_chunk_of_type(&i, OLX_FOUR_CC('P', 'L', 'A', 'N'));
   planes->record_bytes = 16;
   field_seal(&i);
   assert_field_refused(&i, OLX_ERROR_FORMAT, "chunk PLAN");

@@ -22,8 +22,42 @@ agree two-rooms-gap --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 
 agree cornell --radiance-size 8 --irradiance-size 16 --bounces 0 --samples 1 --noise 0.5 --irradiance sh2
 agree cornell --radiance-size 8 --irradiance-size 8 --bounces 0 --samples 1 --noise 0.5 --irradiance sh3
 agree cornell --grid 1x1x1 --radiance-size 8 --irradiance-size 32 --bounces 1 --samples 1 --noise 0.5
-agree cornell --grid 2x1x1 --radiance-size 16 --bounces 1 --samples 1 --noise 0.5 --relight
+agree cornell --grid 2x1x1 --radiance-size 16 --irradiance-size 8 --bounces 1 --samples 1 --noise 0.5 --relight \
+  --select cage,voronoi,octree
 LC_ALL=C grep -qa RLIT a.olx || fail "a field that can be relit has no chunk RLIT"
+sed 's/"links":[^0-9]*[0-9]*/"links": 0/' stdout.txt >other.json
+python3 "$reader" a.olx other.json 2>stderr.txt && fail "the reader does not compare the data for relighting"
+grep -q '^relight.links: [0-9]* and 0$' stderr.txt || fail "the reader does not name the number of links"
+
+# refuse CHUNK OFFSET BYTES WORDS: the reader refuses a.olx with other bytes in a chunk, which are given in hexadecimal
+# and lie at an offset, counted from the chunk's end where it is negative. The message has these words.
+refuse() {
+  python3 - "$@" <<'PYTHON'
+import struct, sys
+name, offset, new = sys.argv[1].encode(), int(sys.argv[2]), bytes.fromhex(sys.argv[3])
+data = bytearray(open("a.olx", "rb").read())
+places = {chunk: (first, size) for chunk, _, first, size in struct.iter_unpack("<4sIQQ40x", data[64:64 + 64 * data[12]])}
+first, size = places[name]
+at = first + offset % size
+data[at:at + len(new)] = new
+open("damaged.olx", "wb").write(data)
+PYTHON
+  python3 "$reader" damaged.olx >/dev/null 2>stderr.txt && fail "the reader reads a damaged chunk $1"
+  grep -q "$4" stderr.txt || fail "chunk $1: $(cat stderr.txt)"
+}
+
+links=$((64 + 108 * $(sed -n 's/.*"surfels": *\([0-9]*\).*/\1/p' stdout.txt)))
+refuse RLIT 0 01000001 'RLIT: header'
+refuse RLIT 28 00000001 'RLIT: header'
+refuse RLIT 4 00000000 'RLIT: size'
+refuse RLIT 20 00000000 'RLIT: of another field'
+refuse RLIT 64 0000c07f 'RLIT: places of surfel 0'
+refuse RLIT 160 ff 'RLIT: normal of surfel 0'
+refuse RLIT $links 01 'RLIT: links'
+refuse RLIT -12 ffffffff 'RLIT: surfel of volume link'
+refuse VORO -2 0100 'VORO: order of the tree'
+refuse VPOS 4 0000807f 'VPOS'
+refuse MOME 88 003c0040 'MOME of probe 0'
 agree two-rooms-gap --grid 2x1x1 --radiance-size 8 --bounces 0 --samples 1 --noise 0.5 --relight
 
 # Blocks decode to nearly the same values as texels, and the reader checks texels as thoroughly.

@@ -160,6 +160,15 @@ olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_
   return chunk ? check_shape(file, chunk, shape, data) : OLX_OK;
 }
 
+olx_result olx_chunk_find_bytes(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found) {
+  const void *data;
+  OLX_TRY(olx_chunk_find_optional(file, type, found));
+  if (!*found) return OLX_OK;
+  const olx_chunk_row row = {.type = type, .element_bytes = 1, .elements = (*found)->size_bytes, .records = 1};
+  const olx_chunk_shape shape = olx_chunk_shape_of(&row);
+  return check_shape(file, *found, &shape, &data);
+}
+
 olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data) {
   const olx_file_chunk *chunk;
   OLX_TRY(olx_chunk_find_optional_shaped(file, shape, data));

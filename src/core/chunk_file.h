@@ -117,6 +117,8 @@ olx_result olx_chunk_find_shaped(const olx_chunk_file *file, const olx_chunk_sha
 olx_result olx_chunk_find_optional(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // Finds an optional chunk and checks that it has the sizes of `shape`; *data is NULL when it is missing.
 olx_result olx_chunk_find_optional_shaped(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
+// Finds an optional chunk and checks that it is one record of bytes, of any number; *found is NULL when it is missing.
+olx_result olx_chunk_find_bytes(const olx_chunk_file *file, uint32_t type, const olx_file_chunk **found);
 // Finds an optional chunk of a single record that says which other chunks there are, and checks its checksum too.
 olx_result olx_chunk_find_header(const olx_chunk_file *file, const olx_chunk_shape *shape, const void **data);
 // Finds a chunk that must be present when the chunk of type `header` announces it (`wanted`), and absent otherwise.

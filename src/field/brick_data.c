@@ -3,6 +3,7 @@
 #include "field/brick_data.h"
 
 #include "core/result.h"
+#include "field/coded_probes.h"
 
 #include <math.h>
 
@@ -75,6 +76,7 @@ static olx_result check_lists(const olx_bricks *b, uint32_t probe_count, const c
 olx_result olx_bricks_open(const void *data, size_t size_bytes, uint32_t probe_count, const char *name,
                            olx_bricks *bricks) {
   const olx_bricks_header *h = data;
+  OLX_TRY(olx_coded_probes_check(probe_count, "BRIK", name));
   if (size_bytes < sizeof *h) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk BRIK: %zu bytes", name, size_bytes);
   OLX_TRY(check_header(h, name));
   const uint64_t count = (uint64_t)h->size[0] * h->size[1] * h->size[2]; // below 2^49

@@ -18,13 +18,18 @@ static olx_result refuse_unknown(const olx_chunk_file *file, const olx_field_inf
   return olx_chunk_refuse_unknown(file, required, count);
 }
 
-// Refuses a chunk that the description does not call for.
-static olx_result refuse_undescribed(const olx_chunk_file *file, const olx_chunk_need *need, uint32_t type) {
+static olx_result refuse_type(const olx_chunk_file *file, const olx_chunk_need *need, uint32_t type) {
   const olx_file_chunk *chunk;
   OLX_TRY(olx_chunk_find_any(file, type, &chunk));
   if (!chunk) return OLX_OK;
   return olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but the description has %s", file->name,
                   olx_chunk_type_name(type).text, need->otherwise);
+}
+
+// Refuses a chunk that the description does not call for, in whichever form.
+static olx_result refuse_undescribed(const olx_chunk_file *file, const olx_chunk_traits *kind) {
+  OLX_TRY(refuse_type(file, kind->need, kind->form.type));
+  return kind->is_other ? refuse_type(file, kind->need, kind->other.type) : OLX_OK;
 }
 
 // Finds a chunk whose size follows from the description, and sets the field's pointer to it.
@@ -45,7 +50,7 @@ static olx_result find_chunks(olx_field *field, const olx_chunk_file *file) {
     if (!kind->need || !kind->records_of) continue;
     OLX_TRY(kind->need->holds(&field->info)
                 ? find_described(field, file, olx_chunk_form_of(&field->info, k), &shapes[k])
-                : refuse_undescribed(file, kind->need, shapes[k].type));
+                : refuse_undescribed(file, kind));
   }
   return refuse_unknown(file, &field->info, shapes);
 }

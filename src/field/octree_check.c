@@ -7,10 +7,7 @@ olx_result olx_octree_check(const olx_field *field) {
   const olx_octree_header *header = field->select_data[OLX_SELECT_OCTREE];
   const size_t size_bytes = field->select_bytes[OLX_SELECT_OCTREE];
   const uint32_t probes = field->info.probes.count;
-  if (probes > OLX_MAX_CODED_PROBES) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk OCTR: for at most %d probes, not %u", field->name,
-                    OLX_MAX_CODED_PROBES, probes);
-  }
+  OLX_TRY(olx_coded_probes_check(probes, "OCTR", field->name));
   if (size_bytes < sizeof *header) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk OCTR: no header", field->name);
   if (header->levels < 1 || header->levels > OLX_OCTREE_MAX_LEVELS || header->inner_nodes > OLX_OCTREE_MAX_INNER ||
       header->zero[0] || header->zero[1]) {

@@ -157,7 +157,7 @@ olx_result olx_relight_open(olx_field *field) {
   const olx_chunk_file file = olx_field_file(field);
   const olx_file_chunk *chunk;
   const uint32_t type = olx_chunk_form_of(&field->info, OLX_CHUNK_RELIGHT)->type;
-  OLX_TRY(olx_chunk_find_optional(&file, type, &chunk));
+  OLX_TRY(olx_chunk_find_bytes(&file, type, &chunk));
   if (!chunk) return OLX_OK;
   const void *data = (const char *)field->data + chunk->offset;
   OLX_TRY(olx_relight_structure_open(data, chunk->size_bytes, field->name, &field->relight));

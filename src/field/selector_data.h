@@ -3,9 +3,8 @@
 #define OLX_FIELD_SELECTOR_DATA_H
 
 #include "core/vec.h"
+#include "field/coded_probes.h"
 #include "field/field_data.h"
-
-enum { OLX_MAX_CODED_PROBES = 65535 };
 
 // Returns the bytes of a probe's code: one in fields of up to 255 probes, else two. A code with all bits set means no
 // probe.

@@ -3,12 +3,18 @@
 #include "field/field_chunks.h"
 #include "field/selector_data.h"
 
+olx_result olx_coded_probes_check(uint32_t probe_count, const char *chunk, const char *name) {
+  if (probe_count <= OLX_MAX_CODED_PROBES) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: chunk %s: for at most %d probes, not %u", name, chunk, OLX_MAX_CODED_PROBES,
+                  probe_count);
+}
+
 static olx_result find_selector(olx_field *field, olx_select select) {
   const olx_chunk_file file = olx_field_file(field);
   const uint32_t type = olx_chunk_form_of(&field->info, olx_select_chunk(select))->type;
   const bool named = (field->info.select_mask & 1u << select) != 0;
   const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find_optional(&file, type, &chunk));
+  OLX_TRY(olx_chunk_find_bytes(&file, type, &chunk));
   if (named != (chunk != NULL)) {
     return olx_fail(OLX_ERROR_FORMAT, "%s: %s chunk %s, but the description %s", field->name, chunk ? "a" : "no",
                     olx_chunk_type_name(type).text, named ? "names its selector" : "does not name its selector");

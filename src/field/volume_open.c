@@ -113,7 +113,7 @@ olx_result olx_field_volume_open(olx_field *field) {
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   olx_chunk_shapes(&field->info, shapes);
   const olx_file_chunk *chunk;
-  OLX_TRY(olx_chunk_find_optional(&file, shapes[OLX_CHUNK_VOLUME].type, &chunk));
+  OLX_TRY(olx_chunk_find_bytes(&file, shapes[OLX_CHUNK_VOLUME].type, &chunk));
   if (chunk) {
     OLX_TRY(olx_volume_open((const char *)field->data + chunk->offset, chunk->size_bytes, field->name, &field->volume));
     field->info.volume.probe_count = field->volume.header->probes;

@@ -8,10 +8,7 @@ olx_result olx_voronoi_check(const olx_field *field) {
   const olx_voronoi_header *header = field->select_data[OLX_SELECT_VORONOI];
   const size_t size_bytes = field->select_bytes[OLX_SELECT_VORONOI];
   const uint32_t probes = field->info.probes.count;
-  if (probes > OLX_MAX_CODED_PROBES) {
-    return olx_fail(OLX_ERROR_FORMAT, "%s: chunk VORO: for at most %d probes, not %u", field->name,
-                    OLX_MAX_CODED_PROBES, probes);
-  }
+  OLX_TRY(olx_coded_probes_check(probes, "VORO", field->name));
   if (size_bytes < sizeof *header) return olx_fail(OLX_ERROR_FORMAT, "%s: chunk VORO: no header", field->name);
   const uint32_t size = header->size;
   if (size < 4 || size > 64 || (size & (size - 1)) != 0 || header->zero[0] || header->zero[1] || header->zero[2]) {

@@ -9,7 +9,11 @@ const PACKED_MAGIC = [0x89, 0x4f, 0x4c, 0x5a];
 const VERSION = 2;
 const OPTIONAL = 1;
 const FILTER_SHIFT = 8, DIFFERENCES = 2, PLANES = 4; // filters of chunks in fields that `export web --no-glossy` writes
-const KNOWN = 'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME BASE SPEC DIRE INDI TBAS TREF TDIR TIND PBAS PREF PDIR PIND EMIS LITE ETIL ORIG';
+const KNOWN_REQUIRED = (
+  'INFO PPOS PFLG RADI NORM DIST GEOM PLAN DMIN DMAX IPOS IFLG IRRA IRSH MOME ' +
+  'BASE SPEC DIRE INDI TBAS TREF TDIR TIND PBAS PREF PDIR PIND EMIS LITE ETIL ORIG'
+).split(' ');
+const KNOWN = [...KNOWN_REQUIRED, ...'VORO OCTR BRIK CLAS CIRR CRAD CBOX VOLU VPOS VIRR RLIT'.split(' ')];
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
 
@@ -51,7 +55,8 @@ function readChunks(view) {
     need(offset === next, `chunk ${type} lies at ${offset}, not at ${next}`);
     next = aligned(offset + size);
     need(next <= view.byteLength, `chunk ${type} ends behind the file`);
-    need(optional || KNOWN.includes(type), `a required chunk, ${type}, that this reader does not know`);
+    need(optional || KNOWN_REQUIRED.includes(type), `a required chunk, ${type}, that this reader does not know`);
+    if (!KNOWN.includes(type)) continue;
     need(!chunks.has(type), `chunk ${type} comes twice`);
     chunks.set(type, { offset, size, filter: view.getUint32(at + 4, true) >>> FILTER_SHIFT, element: view.getUint32(at + 36, true) });
   }
@@ -103,6 +108,7 @@ function readInfo(view, at) {
     lastBounce: view.getFloat32(at + 152, true),
     compressed: (word(156) & 4) !== 0,
     untiledBlocks: (word(156) & 1) !== 0,
+    unknownForm: word(156) >>> 3 !== 0,
     geometryBlocks: (word(156) & 2) !== 0,
   };
 }
@@ -111,6 +117,7 @@ function checkInfo(info) {
   const { probes, radianceSize: n, distanceScale } = info;
   need(probes >= 1, 'no light field probes');
   need(!info.untiledBlocks, 'surfaces in maps of blocks, which tiles have replaced: bake the scene again');
+  need(!info.unknownForm, 'maps in a form that this reader does not know');
   need(n >= 8 && n <= 2048 && (n & (n - 1)) === 0, `maps of ${n} texels along a side`);
   need(distanceScale >= 1e-18 && distanceScale <= 1e18, 'a distance scale out of range');
   need([...info.sceneMin, ...info.sceneMax].every(Number.isFinite), 'bounds that are not finite');
@@ -195,12 +202,13 @@ export function parseField(buffer) {
 }
 
 // Checks counts of bricks and of the volume, which shaders trust: every list must be inside its chunk.
-function checkParts({ bricks, volume, tiles, lights, planes, surfaces, info }) {
+function checkParts({ bricks, neighbours, volume, tiles, lights, planes, surfaces, info }) {
   need(!info.compressed || (surfaces.base.length % 8 === 0 && [surfaces.specular, surfaces.direct, surfaces.indirect].every((pool) => pool.length % 16 === 0)),
     'a pool of blocks is cut off');
   need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
   need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');
   need(!(info.selectMask & 8) || bricks, 'chunk BRIK is missing');
+  need(!(info.selectMask & 2) || neighbours || !info.glossy, 'chunk VORO is missing'); // rays alone read it
   if (bricks) {
     const [x, y, z, divided, lists] = bricks.subarray(4, 9);
     need(bricks.length === 16 + x * y * z + 32 * divided + 4 * lists, 'chunk BRIK has another size than its header says');

@@ -14,6 +14,15 @@ import { layOutWords, mapsASide, tile } from '../dist/textures.js';
 const octalux = process.env.OCTALUX;
 const run = (...words) => execFileSync(octalux, words, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] });
 const page = octalux && existsSync(join(dirname(octalux), 'web', 'index.html'));
+// Returns a copy of a field in which chunks of these types have others and are flagged optional.
+const renamed = (buffer, types) => {
+  const copy = Buffer.from(buffer.slice(0));
+  for (let at = 64; at < 64 + 64 * copy.readUInt32LE(12); at += 64) {
+    const type = types[copy.latin1Slice(at, at + 4)];
+    if (type) copy.writeUInt32LE(1, copy.write(type, at, 'latin1') + at);
+  }
+  return copy.buffer;
+};
 const bufferOf = (path) => new Uint8Array(readFileSync(path)).buffer;
 
 describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the program' }, () => {
@@ -131,11 +140,20 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     refused(change(0, 0x5a4c4f89), /packed field/);
     refused(change(8, 3), /version 3/);
     refused(change(64, 0x58585858), /required chunk, XXXX/);
+    refused(change(64, 0x5050204f), /required chunk, O PP/); // in a list of types, between INFO and PPOS
     refused(change(64 + 8, 1 << 20), /lies at/);
     const info = Number(new DataView(whole).getBigUint64(64 + 8, true));
     refused(change(info, 0), /no light field probes/);
     refused(change(info, 9), /PPOS|grid/);
     refused(change(info + 20, 48), /48 texels/);
+    refused(change(info + 156, 8 + 6), /form that this reader does not know/);
+    refused(renamed(whole, { VORO: 'GLOW' }), /chunk VORO is missing/);
+    refused(renamed(whole, { VPOS: 'VIRR' }), /chunk VIRR comes twice/);
+  });
+
+  test('may have chunks that no reader knows yet, if they are optional', () => {
+    const whole = bufferOf(blocks), strange = renamed(whole, { DMAX: 'GLOW', VPOS: 'GLOW' });
+    assert.deepEqual(parseField(strange).positions, parseField(whole).positions);
   });
 });
 

@@ -58,13 +58,15 @@ olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, flo
 // Reads an .exr of olx_image_save, or any scanline EXR with channels R G B. The caller must free *image.
 olx_result olx_image_load(const char *path, olx_image *image);
 
-// Compresses 8-bit pixels of 1 (gray) or 3 (RGB) channels, rows from the top, to a PNG in memory. The caller must
-// release *png with olx_png_free.
+// Compresses 8-bit pixels of 1 (gray), 3 (RGB) or 4 (RGBA) channels, rows from the top, to a PNG in memory.
+// OLX_ERROR_ARGUMENT, with a message, for other channels and for a picture without pixels or of more than 2 * 10^9
+// bytes, each row counted with one byte more. On success the caller must release *png with olx_png_free, on failure it
+// is NULL.
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
-// Compresses 8-bit pixels of 3 or 4 channels, of which the fourth is left out, to a JPEG in memory; quality: 1 to 100.
-// The caller must release *jpeg with olx_png_free.
+// Likewise for a JPEG, of 3 or 4 channels, of which the fourth is left out, and at most 65535 pixels a side; quality: 1
+// to 100.
 olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
                            uint8_t **jpeg, size_t *size_bytes);
 

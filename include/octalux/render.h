@@ -223,7 +223,7 @@ typedef struct olx_audit_settings {
   uint32_t points; // on surfaces, at most 2^30; default 2,000
   uint32_t space_points; // in free space, at most 2^26, six normals each, with spp / 16 + 1 paths in each of two
                          // halves; default 0
-  uint32_t spp;     // paths a point for the reference irradiance; default 1024
+  uint32_t spp;     // paths a point for the reference irradiance, at least 1; default 1024
   uint32_t seed;    // of the random numbers; default 0
   uint32_t threads; // 0: as many as the machine has; the numbers do not depend on it
   const char *camera; // name of the camera whose surfaces are judged; NULL: all cameras

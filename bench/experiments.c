@@ -72,11 +72,10 @@ const experiment experiments[] = {
      "take their light from the irradiance maps of the bounce before, or from what probes store where a ray ends.",
      .run = run_bounces},
     {"relight", "Dissertation of 2022, section 6.2", "lights that move: one bounce a frame, against a fresh bake",
-     "Irradiance at what a camera sees, frame by frame after a light moved: probes follow a few a frame, shadows from "
-     "the "
-     "scene's triangles. The bake of the changed scene has 8 bounces. Work is all that 30 frames did: irradiance of a "
-     "quarter "
-     "of the probes a frame, and all radiance maps twice.",
+     "Irradiance at what a camera sees, against a bake of the changed scene, in each of 30 frames after a light moved. "
+     "A frame of default budgets gives surfels a sample of direct light, carries light one bounce further over links, "
+     "and renews tiles of texels, those first that have waited longest for their distance; shadow rays meet the "
+     "scene's triangles. Rays and processor time are those of all 30 frames, which do nothing once light has settled.",
      .run = run_relight},
     {"sh", "McGuire et al. 2017, section 7",
      "irradiance as spherical harmonics of second and third order, beside octahedral maps",

@@ -351,6 +351,15 @@ static void bytes_do_not_depend_on_threads(void **state) {
   olx_scene_free(scene);
 }
 
+// Asserts that a field without classic maps answers 0.
+static void assert_dark(const olx_field *field) {
+  const olx_sample_settings sample = olx_sample_settings_default();
+  const olx_vec3 p = field->irradiance_positions[0], n = {0.0f, 1.0f, 0.0f}, white = olx_splat(1.0f);
+  assert_int_equal(olx_classic_check(field), OLX_ERROR_ARGUMENT);
+  assert_near(olx_classic_irradiance(field, &sample, p, n), olx_splat(0.0f), 0.0f);
+  assert_near(olx_classic_glossy(field, &sample, p, n, n, 0.5f, white, 1.0f), olx_splat(0.0f), 0.0f);
+}
+
 // A bake without --classic writes no classic maps, and a bake with them changes no other chunk.
 static void classic_maps_are_added_to_the_same_field(void **state) {
   (void)state;
@@ -362,6 +371,7 @@ static void classic_maps_are_added_to_the_same_field(void **state) {
   olx_field *without = baked_field(scene, &settings, NULL);
   assert_int_equal(without->info.classic.size, 0);
   assert_int_equal(without->info.bytes.classic, 0);
+  assert_dark(without);
   const size_t probes = with->info.probes.count, others = with->info.irradiance.probe_count;
   assert_memory_equal(with->radiance, without->radiance, 4 * probes * with->texels);
   assert_memory_equal(with->irradiance, without->irradiance, 4 * others * with->irradiance_texels);

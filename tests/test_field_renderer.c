@@ -525,20 +525,31 @@ static void count_warnings(void *user, olx_log_level level, const char *message)
   if (level == OLX_LOG_WARNING && strstr(message, "another scene")) ++*(int *)user;
 }
 
+static olx_audit_settings audit_settings(void) {
+  return (olx_audit_settings){.rays = 1, .points = 1, .spp = 1, .sample = olx_sample_settings_default()};
+}
+
+// Rendering and the audit warn alike. A field whose lights have changed has the hash 0, and is of no scene in
+// particular.
 static void test_field_of_another_scene_is_used_with_a_warning(void **state) {
   (void)state;
   const olx_material walls = tiny_lambert(0.5f, 0);
   olx_scene *scene = unlit_box(&walls);
+  const uint64_t hashes[] = {scene->hash, 0, scene->hash + 1};
   int warnings = 0;
   const olx_hooks hooks = {.user = &warnings, .log = count_warnings};
   olx_set_hooks(&hooks);
-  for (uint64_t other = 0; other < 2; other++) {
-    olx_field *field = uniform_field(scene->hash + other);
+  for (int i = 0; i < 3; i++) {
+    olx_field *field = uniform_field(hashes[i]);
     const olx_render_settings settings = field_settings(4, 1);
     olx_image image = render_lit(scene, field, &settings);
-    assert_int_equal(warnings, other);
+    assert_int_equal(warnings, i / 2);
     assert_true(tiny_mean(&image, OLX_LAYER_INDIRECT_DIFFUSE) > 0);
     olx_image_free(&image);
+    const olx_audit_settings audit = audit_settings();
+    olx_audit found;
+    ASSERT_OK(olx_audit_field(scene, field, &audit, NULL, &found));
+    assert_int_equal(warnings, i / 2 * 2);
     analytic_field_free(field);
   }
   olx_set_hooks(NULL);
@@ -566,6 +577,27 @@ static void test_settings_out_of_range_are_refused(void **state) {
   olx_scene_free(scene);
 }
 
+static void test_audit_refuses_settings_out_of_range(void **state) {
+  (void)state;
+  const olx_material walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = unlit_box(&walls);
+  olx_field *field = uniform_field(scene->hash);
+  const olx_audit_settings good = audit_settings();
+  olx_audit_settings bad[] = {good, good, good, good};
+  bad[0].spp = 0;
+  bad[1].rays = (1u << 30) + 1;
+  bad[2].points = (1u << 30) + 1;
+  bad[3].space_points = (1u << 26) + 1;
+  olx_audit found;
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    assert_int_equal(olx_audit_field(scene, field, &bad[i], NULL, &found), OLX_ERROR_ARGUMENT);
+    assert_non_null(strstr(olx_last_error(), "audit: "));
+  }
+  ASSERT_OK(olx_audit_field(scene, field, &good, NULL, &found));
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_diffuse_light_is_reflectance_times_irradiance),
@@ -584,6 +616,7 @@ int main(void) {
       cmocka_unit_test(test_same_bytes_at_any_number_of_threads),
       cmocka_unit_test(test_field_of_another_scene_is_used_with_a_warning),
       cmocka_unit_test(test_settings_out_of_range_are_refused),
+      cmocka_unit_test(test_audit_refuses_settings_out_of_range),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

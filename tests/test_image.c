@@ -522,6 +522,47 @@ static void no_image_has_a_layer_that_does_not_exist(void **state) {
   olx_image_free(&image);
 }
 
+static void assert_not_encoded(bool as_jpeg, uint32_t width, uint32_t height, uint32_t channels, uint32_t quality) {
+  uint8_t pixel[8] = {0}, *file = pixel;
+  size_t size_bytes = 1;
+  const olx_result result = as_jpeg ? olx_jpeg_encode(width, height, channels, pixel, quality, &file, &size_bytes)
+                                    : olx_png_encode(width, height, channels, pixel, &file, &size_bytes);
+  assert_int_equal(result, OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), as_jpeg ? "JPEG" : "PNG"));
+  assert_null(file);
+  assert_int_equal(size_bytes, 0);
+}
+
+static void pictures_that_no_file_can_hold_are_refused(void **state) {
+  (void)state;
+  for (int as_jpeg = 0; as_jpeg < 2; as_jpeg++) {
+    assert_not_encoded(as_jpeg, 0, 1, 3, 90);
+    assert_not_encoded(as_jpeg, 1, 0, 3, 90);
+    assert_not_encoded(as_jpeg, 1, 1, 0, 90);
+    assert_not_encoded(as_jpeg, 1, 1, 2, 90);
+    assert_not_encoded(as_jpeg, 1, 1, 7, 90);
+    assert_not_encoded(as_jpeg, 65536, 65536, 3, 90);
+    assert_not_encoded(as_jpeg, UINT32_MAX, UINT32_MAX, 4, 90);
+    assert_not_encoded(as_jpeg, 1, UINT32_MAX, 3, 90);
+  }
+  assert_not_encoded(true, 65536, 1, 3, 90);
+  assert_not_encoded(true, 1, 1, 1, 90);
+  assert_not_encoded(true, 1, 1, 3, 0);
+  assert_not_encoded(true, 1, 1, 3, 101);
+  assert_non_null(strstr(olx_last_error(), "quality of 101"));
+  static const uint32_t channels[] = {1, 3, 4, 3, 4};
+  for (uint32_t i = 0; i < 5; i++) {
+    const uint8_t pixels[16] = {0};
+    uint8_t *file;
+    size_t size_bytes;
+    assert_int_equal(i < 3 ? olx_png_encode(2, 2, channels[i], pixels, &file, &size_bytes)
+                           : olx_jpeg_encode(2, 2, channels[i], pixels, 100, &file, &size_bytes),
+                     OLX_OK);
+    assert_true(size_bytes > 0);
+    olx_png_free(file);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_exr_gives_back_every_bit_of_every_layer),
@@ -545,6 +586,7 @@ int main(void) {
       cmocka_unit_test(a_small_file_cannot_claim_a_huge_image),
       cmocka_unit_test(layers_have_the_names_that_files_use),
       cmocka_unit_test(no_image_has_a_layer_that_does_not_exist),
+      cmocka_unit_test(pictures_that_no_file_can_hold_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

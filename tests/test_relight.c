@@ -270,6 +270,76 @@ static void test_same_for_any_number_of_threads(void **state) {
   olx_scene_free(scene);
 }
 
+// ---- Frames that are cancelled
+
+// A progress callback's state, which cancels at report number `at`; 0: never.
+typedef struct canceller {
+  uint32_t at, reports;
+} canceller;
+
+static bool count_reports(void *user, const char *stage, float done) {
+  (void)stage, (void)done;
+  canceller *c = user;
+  return ++c->reports != c->at;
+}
+
+typedef struct watched_frame {
+  olx_relight *relight;
+  olx_relight_stats stats;
+} watched_frame;
+
+static olx_result frame_watched(void *user) {
+  watched_frame *w = user;
+  return olx_relight_frame(w->relight, olx_splat(0.28f), &w->stats);
+}
+
+static olx_result run_watched(olx_relight *relight, uint32_t cancel_at) {
+  canceller c = {.at = cancel_at};
+  const olx_progress progress = {.report = count_reports, .user = &c};
+  watched_frame w = {.relight = relight};
+  return olx_watch(&progress, "relighting", frame_watched, &w);
+}
+
+// Takes longer than the time between two reports of progress.
+static void slowly(void *user, const olx_shadow_ray *rays, uint32_t count, uint8_t *occluded) {
+  atomic_flag *has_slept = user;
+  if (!atomic_flag_test_and_set(has_slept)) usleep(250000);
+  never(NULL, rays, count, occluded);
+}
+
+// A frame does all of its work or, cancelled before it begins, none: light is then that of frames without a watch.
+static void test_a_cancelled_frame_does_nothing(void **state) {
+  const scene_folder *folder = *state;
+  olx_scene *scene = companion(folder, "[0.2, 0.42, 0.2]");
+  olx_field *field = bake(folder, "a.olx", scene, two);
+  atomic_flag has_slept = ATOMIC_FLAG_INIT;
+  olx_relight_settings settings = olx_relight_settings_default();
+  settings.shadow_rays = 20000;
+  settings.texels = 9000;
+  settings.threads = 1;
+  settings.occlusion = never;
+  olx_relight *plain = begin(field, &settings);
+  settings.occlusion = slowly;
+  settings.user = &has_slept;
+  olx_relight *watched = begin(field, &settings);
+  give_lights(plain, scene);
+  give_lights(watched, scene);
+  const uint32_t awake = olx_relit_awake(watched->schedule);
+  assert_int_equal(run_watched(watched, 1), OLX_ERROR_CANCELLED);
+  assert_int_equal(olx_relit_frames(watched->schedule), 0);
+  assert_int_equal(olx_relit_awake(watched->schedule), awake);
+  for (uint32_t i = 0; i < 3; i++) {
+    ASSERT_OK(run_watched(watched, 2)); // a second report, which would cancel, is due within the first frame
+    ASSERT_OK(olx_relight_frame(plain, olx_splat(0.28f), NULL));
+    assert_same_light(plain, watched);
+  }
+  assert_true(atomic_flag_test_and_set(&has_slept));
+  olx_relight_free(plain);
+  olx_relight_free(watched);
+  olx_field_close(field);
+  olx_scene_free(scene);
+}
+
 // ---- A niche behind a wall, whose end no probe can look around
 
 static const olx_light niche_lamp = {
@@ -534,6 +604,7 @@ int main(void) {
                                       scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_arrives_at_a_fresh_bake, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_same_for_any_number_of_threads, scene_folder_set_up, scene_folder_tear_down),
+      cmocka_unit_test_setup_teardown(test_a_cancelled_frame_does_nothing, scene_folder_set_up, scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_light_from_where_no_probe_looks, scene_folder_set_up,
                                       scene_folder_tear_down),
       cmocka_unit_test_setup_teardown(test_near_first_and_none_starves, scene_folder_set_up, scene_folder_tear_down),

@@ -547,6 +547,26 @@ static void tolerances_out_of_range_are_refused(void **state) {
   analytic_field_free(f);
 }
 
+// Points on and off the wall and its frame get the light of the default tolerance.
+static void tolerances_out_of_range_count_as_none(void **state) {
+  (void)state;
+  const olx_grid grid = {.origin = {1.5f, 1.4f, 2.5f}, .count = {1, 1, 1}};
+  olx_field *f = field_of(&framed, &grid, 128, analytic_cast, bright_frame);
+  const olx_sample_settings none = olx_sample_settings_default();
+  static const float bad[] = {-0.1f, -100.0f, 17.0f, 1e30f, NAN, INFINITY, -INFINITY};
+  for (uint32_t i = 0; i < 300; i++) {
+    const olx_vec3 n = olx_v3(1, 0, 0), p = olx_v3(0.002f * (float)(i % 8), 1.05f + 0.7f * (float)i / 300.0f, 1.988f);
+    const olx_vec3 light = olx_surface_irradiance(f, &none, p, n, n, n);
+    for (uint32_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+      olx_sample_settings settings = none;
+      settings.surface_tolerance = bad[k];
+      const olx_vec3 answer = olx_surface_irradiance(f, &settings, p, n, n, n);
+      assert_memory_equal(&answer, &light, sizeof light);
+    }
+  }
+  analytic_field_free(f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(even_light_is_answered_as_it_is),
@@ -565,6 +585,7 @@ int main(void) {
       cmocka_unit_test(normal_maps_change_light_as_they_change_that_of_the_volume),
       cmocka_unit_test(every_input_has_a_finite_answer),
       cmocka_unit_test(tolerances_out_of_range_are_refused),
+      cmocka_unit_test(tolerances_out_of_range_count_as_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

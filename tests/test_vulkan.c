@@ -658,6 +658,17 @@ static void settings_that_cannot_be_are_refused(void **unused) {
   assert_int_equal(olx_vulkan_record_irradiance(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
   assert_non_null(strstr(olx_last_error(), "surface tolerance of 32"));
   settings = olx_vulkan_settings_default();
+  settings.sample.tracer = (olx_tracer)3;
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "there is no tracer 3"));
+  static const float bad[] = {-0.1f, 1.5f, NAN, INFINITY};
+  for (uint32_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    settings = olx_vulkan_settings_default();
+    settings.dim_lobe = bad[i];
+    assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+    assert_non_null(strstr(olx_last_error(), "dim lobe"));
+  }
+  settings = olx_vulkan_settings_default();
   assert_int_equal(olx_vulkan_record_composite(f.frame, device.commands, &view, &settings, 4), OLX_ERROR_ARGUMENT);
   host_fixture_free(&f);
 }

@@ -40,6 +40,27 @@ static void control_characters_are_escaped(void **state) {
   assert_printable("\xc2\xa0", "\xc2\xa0");
 }
 
+// Bytes that are not UTF-8: overlong forms, halves of surrogate pairs, and codes above U+10FFFF.
+static void bytes_that_are_not_utf8_are_escaped(void **state) {
+  (void)state;
+  static const char *const wrong[][2] = {{"\xc0\x80", "\\xc0\\x80"},
+                                         {"\xc1\xbf", "\\xc1\\xbf"},
+                                         {"\xe0\x80\x9b", "\\xe0\\x80\\x9b"}, // U+009B begins a command
+                                         {"\xe0\x9f\xbf", "\\xe0\\x9f\\xbf"},
+                                         {"\xed\xa0\x80", "\\xed\\xa0\\x80"},
+                                         {"\xed\xbf\xbf", "\\xed\\xbf\\xbf"},
+                                         {"\xf0\x80\x80\x9b", "\\xf0\\x80\\x80\\x9b"},
+                                         {"\xf0\x8f\xbf\xbf", "\\xf0\\x8f\\xbf\\xbf"},
+                                         {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},
+                                         {"\xf5\x80\x80\x80", "\\xf5\\x80\\x80\\x80"},
+                                         {"\xff", "\\xff"}};
+  static const char *const right[] = {"\xdf\xbf",         "\xe0\xa0\x80",     "\xec\xbf\xbf",     "\xed\x80\x80",
+                                      "\xed\x9f\xbf",     "\xee\x80\x80",     "\xef\xbf\xbf",     "\xf0\x90\x80\x80",
+                                      "\xf1\x80\x80\x80", "\xf3\xbf\xbf\xbf", "\xf4\x80\x80\x80", "\xf4\x8f\xbf\xbf"};
+  for (uint32_t i = 0; i < sizeof wrong / sizeof *wrong; i++) assert_printable(wrong[i][0], wrong[i][1]);
+  for (uint32_t i = 0; i < sizeof right / sizeof *right; i++) assert_printable(right[i], right[i]);
+}
+
 static void what_does_not_fit_is_cut_whole(void **state) {
   (void)state;
   char small[6];
@@ -185,6 +206,7 @@ static void names_are_found_in_order(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(control_characters_are_escaped),
+      cmocka_unit_test(bytes_that_are_not_utf8_are_escaped),
       cmocka_unit_test(what_does_not_fit_is_cut_whole),
       cmocka_unit_test(messages_and_warnings_are_printable),
       cmocka_unit_test(json_refuses_nul_in_strings),

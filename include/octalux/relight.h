@@ -80,7 +80,9 @@ typedef struct olx_relight_stats {
 } olx_relight_stats;
 
 // Runs one frame, seen from `eye` (metres). stats may be NULL. Does nothing when nothing is awake. OLX_ERROR_ARGUMENT
-// once frames run on a device (octalux/vulkan.h, olx_vulkan_relight_create); the field below then stays as it was.
+// once frames run on a device (octalux/vulkan.h, olx_vulkan_relight_create), and OLX_ERROR_CANCELLED when a progress
+// around it (octalux/base.h, olx_watch) was cancelled before it began; the field below and *stats then stay as they
+// were. A frame that has begun is completed.
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
 // Returns the field with its present light, for octalux/sample.h and octalux/render.h. It belongs to the relighter,

@@ -58,13 +58,15 @@ olx_result olx_image_save_layer_png(const olx_image *image, olx_layer layer, flo
 // Reads an .exr of olx_image_save, or any scanline EXR with channels R G B. The caller must free *image.
 olx_result olx_image_load(const char *path, olx_image *image);
 
-// Compresses 8-bit pixels of 1 (gray) or 3 (RGB) channels, rows from the top, to a PNG in memory. The caller must
-// release *png with olx_png_free.
+// Compresses 8-bit pixels of 1 (gray), 3 (RGB) or 4 (RGBA) channels, rows from the top, to a PNG in memory.
+// OLX_ERROR_ARGUMENT, with a message, for other channels and for a picture without pixels or of more than 2 * 10^9
+// bytes, each row counted with one byte more. On success the caller must release *png with olx_png_free, on failure it
+// is NULL.
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
-// Compresses 8-bit pixels of 3 or 4 channels, of which the fourth is left out, to a JPEG in memory; quality: 1 to 100.
-// The caller must release *jpeg with olx_png_free.
+// Likewise for a JPEG, of 3 or 4 channels, of which the fourth is left out, and at most 65535 pixels a side; quality: 1
+// to 100.
 olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
                            uint8_t **jpeg, size_t *size_bytes);
 
@@ -221,7 +223,7 @@ typedef struct olx_audit_settings {
   uint32_t points; // on surfaces, at most 2^30; default 2,000
   uint32_t space_points; // in free space, at most 2^26, six normals each, with spp / 16 + 1 paths in each of two
                          // halves; default 0
-  uint32_t spp;     // paths a point for the reference irradiance; default 1024
+  uint32_t spp;     // paths a point for the reference irradiance, at least 1; default 1024
   uint32_t seed;    // of the random numbers; default 0
   uint32_t threads; // 0: as many as the machine has; the numbers do not depend on it
   const char *camera; // name of the camera whose surfaces are judged; NULL: all cameras

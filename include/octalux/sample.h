@@ -181,8 +181,8 @@ void olx_glossy_rays(const olx_field *field, const olx_sample_settings *settings
 // radiance of the irradiance probes around a point, interpolated without visibility. Of `settings`, only keep_buried
 // has an effect. Light directly from emitters or the sky is left out.
 
-// Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps, which the functions below
-// need.
+// Returns OLX_ERROR_ARGUMENT, with a message, when the field was baked without classic maps. The functions below then
+// return 0.
 olx_result olx_classic_check(const olx_field *field);
 
 // Returns the indirect irradiance in W/m^2 on a surface at `position` with unit normal `normal`.

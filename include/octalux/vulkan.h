@@ -193,7 +193,7 @@ typedef struct olx_vulkan_settings {
   uint32_t sample_index;      // the part of a pixel's sequence of random numbers: count frames here; default 0
   uint32_t seed;              // selects the sequence of every pixel; default 0
   bool irradiance_probes;     // irradiance from irradiance probes alone, in a field with probe light; default false
-  float dim_lobe; // rough specular lobes that reflect less than this share towards the eye are not traced but
+  float dim_lobe; // rough specular lobes that reflect less than this share, 0 to 1, towards the eye are not traced but
                   // take irradiance; default 0 (section 6)
   olx_vulkan_denoise denoise;
 } olx_vulkan_settings;
@@ -202,7 +202,8 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Recording. Call these outside a render pass, in a command buffer of the field's queue family. Each call binds a
 // compute pipeline, descriptor sets 0 to 2, and push constants. OLX_ERROR_ARGUMENT for a pass, a tracer, a selector or
-// a kind of hit light for which the frame has no pipeline.
+// a kind of hit light for which the frame has no pipeline, and for settings out of range; OLX_ERROR_UNSUPPORTED for a
+// selector that does not run on devices.
 //
 // The host records the barriers at both ends, and Octalux those between passes. Before the first pass, the inputs'
 // writes and earlier uses of the outputs must be ordered before VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with shader read

@@ -5,6 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
+// Returns whether the second byte of a UTF-8 character of three or four bytes leaves room for a shorter form, makes
+// half of a surrogate pair, or exceeds U+10FFFF.
+static bool second_is_wrong(const unsigned char *text) {
+  return (text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xED && text[1] >= 0xA0) ||
+         (text[0] == 0xF0 && text[1] < 0x90) || (text[0] == 0xF4 && text[1] >= 0x90);
+}
+
 // Returns the number of bytes of the UTF-8 character at `text`; 0 when it is invalid or a control character.
 static size_t character_bytes(const unsigned char *text) {
   if (text[0] < 0x80) return text[0] >= 0x20 && text[0] != 0x7F ? 1 : 0;
@@ -16,7 +23,7 @@ static size_t character_bytes(const unsigned char *text) {
     if ((text[i] & 0xC0) != 0x80) return 0;
   }
   if (text[0] == 0xC2 && text[1] < 0xA0) return 0; // the control characters U+0080 to U+009F
-  return count;
+  return count && second_is_wrong(text) ? 0 : count;
 }
 
 void olx_printable(const char *text, char *printable, size_t size_bytes) {

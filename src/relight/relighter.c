@@ -2,6 +2,7 @@
 #include "relight/relighter.h"
 
 #include "core/hooks.h"
+#include "core/parallel.h"
 #include "core/result.h"
 #include "core/threads.h"
 
@@ -118,12 +119,8 @@ static uint32_t light_volume(olx_relight *r) {
   return turns.count;
 }
 
-olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *stats) {
-  assert(r);
-  if (r->on_device) return olx_fail(OLX_ERROR_ARGUMENT, "relight: frames are made on a device");
+static void run_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *stats) {
   const double start = olx_seconds();
-  olx_relight_stats own;
-  if (!stats) stats = &own;
   olx_relit_begin_frame(r->schedule);
   atomic_store(&r->direct.shadow_rays, 0);
   stats->surfels_lit = light_surfels(r);
@@ -133,6 +130,17 @@ olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *st
   stats->shadow_rays = atomic_load(&r->direct.shadow_rays);
   stats->awake = olx_relit_awake(r->schedule);
   stats->seconds = olx_seconds() - start;
+}
+
+olx_result olx_relight_frame(olx_relight *r, olx_vec3 eye, olx_relight_stats *stats) {
+  assert(r);
+  if (r->on_device) return olx_fail(OLX_ERROR_ARGUMENT, "relight: frames are made on a device");
+  OLX_TRY(olx_check_cancelled());
+  olx_relight_stats own;
+  olx_task task; // without progress: once begun, a frame cannot be cancelled, so that turns taken are turns lit
+  olx_task_begin(&task, NULL, "relighting", 1);
+  run_frame(r, eye, stats ? stats : &own);
+  olx_task_end(&task);
   return OLX_OK;
 }
 

@@ -269,11 +269,9 @@ olx_result olx_audit_field(const olx_scene *scene, const olx_field *field, const
   if (settings->rays > 1u << 30 || settings->points > 1u << 30 || settings->space_points > 1u << 26) {
     return olx_fail(OLX_ERROR_ARGUMENT, "audit: at most 2^30 rays and points, 2^26 of them in free space");
   }
+  if (settings->spp < 1) return olx_fail(OLX_ERROR_ARGUMENT, "audit: 0 paths a point");
   OLX_TRY(olx_sample_settings_check(field, &settings->sample));
-  OLX_TRY(olx_render_check_origin(scene, field));
-  if (field->info.scene.hash != scene->hash) {
-    olx_log(OLX_LOG_WARNING, "the field was baked from another scene, or from another version of this one");
-  }
+  OLX_TRY(olx_render_check_scene(scene, field));
   audit a = {.scene = scene, .field = field, .settings = settings};
   olx_camera_frame *frames = olx_allocate(scene->camera_count + 1, sizeof *frames);
   a.frames = frames;

@@ -56,8 +56,9 @@ typedef void (*olx_tile_renderer)(const olx_render_context *context, olx_tile_ra
 void olx_tile_cast(const olx_render_context *context, const olx_tile *tile, uint32_t index, bool through_centers,
                    olx_tile_rays *rays, olx_camera_sample *samples);
 
-// Checks that a field belongs to a scene: that their positions are relative to the same origin.
-olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *field);
+// Checks that the positions of a field and a scene are relative to the same origin, and warns of a field that was baked
+// from another scene.
+olx_result olx_render_check_scene(const olx_scene *scene, const olx_field *field);
 // Checks that the settings shared by all renderers are in range, and that the field exists and fits the scene.
 olx_result olx_render_check(const olx_scene *scene, const olx_field *field, const olx_render_settings *settings);
 

@@ -9,6 +9,8 @@
 
 #include <zlib.h>
 
+enum { MOST_BYTES = 2000000000, MOST_JPEG_SIDE = 65535 }; // the latter by the format
+
 // Compresses with dynamic Huffman codes: stb's own compressor has fixed codes only, which make noisy images twice as
 // large.
 static unsigned char *compress_bytes(unsigned char *data, int size_bytes, int *compressed_bytes, int quality) {
@@ -41,8 +43,26 @@ static unsigned char *compress_bytes(unsigned char *data, int size_bytes, int *c
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
+// A picture must be small enough for stb's counts of bytes, which are ints, also after compression. A row of a PNG has
+// a byte more than its pixels.
+static olx_result check_picture(const char *format, uint32_t width, uint32_t height, uint32_t channels,
+                                uint32_t most_side) {
+  if (width < 1 || height < 1 || width > most_side || height > most_side ||
+      (uint64_t)channels * width + 1 > MOST_BYTES / height) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a %s cannot hold %ux%u pixels of %u channels", format, width, height,
+                    channels);
+  }
+  return OLX_OK;
+}
+
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes) {
+  *png = NULL;
+  *size_bytes = 0;
+  if (channels != 1 && channels != 3 && channels != 4) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a PNG of %u channels: must be 1, 3 or 4", channels);
+  }
+  OLX_TRY(check_picture("PNG", width, height, channels, UINT32_MAX));
   int length = 0;
   *png = stbi_write_png_to_mem(pixels, (int)(channels * width), (int)width, (int)height, (int)channels, &length);
   *size_bytes = (size_t)length;
@@ -76,6 +96,15 @@ static void append_bytes(void *context, void *data, int size_bytes) {
 
 olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
                            uint8_t **jpeg, size_t *size_bytes) {
+  *jpeg = NULL;
+  *size_bytes = 0;
+  if (channels != 3 && channels != 4) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a JPEG of %u channels: must be 3 or 4", channels);
+  }
+  if (quality < 1 || quality > 100) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a JPEG quality of %u is not within 1 to 100", quality);
+  }
+  OLX_TRY(check_picture("JPEG", width, height, channels, MOST_JPEG_SIDE));
   jpeg_bytes to = {.data = NULL};
   stbi_write_jpg_to_func(append_bytes, &to, (int)width, (int)height, (int)channels, pixels, (int)quality);
   *jpeg = to.data;

@@ -215,7 +215,7 @@ static void warn_of_other_scene(const olx_scene *scene, const olx_field *field) 
   }
 }
 
-olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *field) {
+static olx_result check_origin(const olx_scene *scene, const olx_field *field) {
   const double *at = scene->origin;
   double baked[3];
   olx_field_origin(field, baked);
@@ -224,6 +224,12 @@ olx_result olx_render_check_origin(const olx_scene *scene, const olx_field *fiel
       OLX_ERROR_ARGUMENT,
       "the field is relative to (%.17g, %.17g, %.17g) and the scene to (%.17g, %.17g, %.17g): bake it again", baked[0],
       baked[1], baked[2], at[0], at[1], at[2]);
+}
+
+olx_result olx_render_check_scene(const olx_scene *scene, const olx_field *field) {
+  OLX_TRY(check_origin(scene, field));
+  warn_of_other_scene(scene, field);
+  return OLX_OK;
 }
 
 void olx_render_note_bounces(const olx_field *field, const olx_render_settings *settings, olx_image *image) {
@@ -243,9 +249,7 @@ olx_result olx_render_check(const olx_scene *scene, const olx_field *field, cons
   OLX_TRY(check_settings(settings, field));
   warn_of_darkness(scene);
   if (settings->method == OLX_METHOD_PATH) return OLX_OK;
-  OLX_TRY(olx_render_check_origin(scene, field));
-  warn_of_other_scene(scene, field);
-  return OLX_OK;
+  return olx_render_check_scene(scene, field);
 }
 
 olx_result olx_render(const olx_scene *scene, const olx_field *field, const olx_camera *camera,

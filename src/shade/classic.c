@@ -69,6 +69,7 @@ static olx_irradiance_weights weigh(const olx_field *field, const olx_sample_set
 olx_vec3 olx_classic_irradiance(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                                 olx_vec3 normal) {
   const olx_classic_maps *maps = &field->classic;
+  if (!maps->size) return olx_splat(0.0f);
   const olx_irradiance_weights weights = weigh(field, settings, position, normal);
   const olx_bilinear texels = olx_bilinear_at(olx_octahedral_encode(normal), maps->size);
   olx_vec3 sum = {0};
@@ -82,6 +83,7 @@ olx_vec3 olx_classic_irradiance(const olx_field *field, const olx_sample_setting
 olx_vec3 olx_classic_glossy(const olx_field *field, const olx_sample_settings *settings, olx_vec3 position,
                             olx_vec3 normal, olx_vec3 view, float roughness, olx_vec3 f0, float f90) {
   const olx_classic_maps *maps = &field->classic;
+  if (!maps->size) return olx_splat(0.0f);
   const olx_irradiance_weights weights = weigh(field, settings, position, normal);
   const olx_vec3 reflected = olx_reflect(olx_negate(view), normal);
   olx_vec3 sum = {0};

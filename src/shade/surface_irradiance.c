@@ -158,19 +158,18 @@ typedef struct texel_light {
   float share; // 0..1
 } texel_light;
 
-static probe_view view_from(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
-                            const olx_surface_point *point) {
+static probe_view view_from(const olx_field *field, float tolerance, uint32_t probe, const olx_surface_point *point) {
   const olx_vec3 offset = olx_sub(point->position, field->probe_positions[probe]);
   return (probe_view){.probe = probe,
                       .offset = offset,
                       .normal = point->geometric_normal,
                       .angle = sqrtf(olx_texel_solid_angle_near(olx_octahedral_encode(offset), field->n)),
-                      .miss = OLX_SURFACE_MISS + settings->surface_tolerance};
+                      .miss = OLX_SURFACE_MISS + tolerance};
 }
 
-static texel_light read_texels(const olx_field *field, const olx_sample_settings *settings, uint32_t probe,
+static texel_light read_texels(const olx_field *field, float tolerance, uint32_t probe,
                                const olx_surface_point *point) {
-  const probe_view v = view_from(field, settings, probe, point);
+  const probe_view v = view_from(field, tolerance, probe, point);
   const olx_bilinear around = olx_bilinear_at(olx_octahedral_encode(v.offset), field->n);
   const uint32_t first = (uint32_t)around.index[0];
   const int32_t x = (int32_t)(first % field->stride) - 1, y = (int32_t)(first / field->stride) - 1;
@@ -213,32 +212,37 @@ static void add_light(blend *b, const texel_light *light, float weight_of_rank) 
 // Blends the ranked probes. A probe's weight is cosine / r^2 times the share of its texels that see the surface, minus
 // the threshold that a weight must exceed. It therefore appears and disappears at weight 0, and where another probe
 // becomes the best, both weights are equal.
-static void read_ranked(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
-                        const ranking *r, blend *b) {
+static void read_ranked(const olx_field *field, float tolerance, const olx_surface_point *point, const ranking *r,
+                        blend *b) {
   for (uint32_t i = 0; i < r->count && b->count < OLX_MOST_BLENDED; i++) {
     if (r->probes[i].weight <= OLX_BLEND_ABOVE * b->best) break;
-    const texel_light light = read_texels(field, settings, r->probes[i].probe, point);
+    const texel_light light = read_texels(field, tolerance, r->probes[i].probe, point);
     add_light(b, &light, r->probes[i].weight);
   }
+}
+
+// Returns the surface tolerance in footprints; the default in place of one out of range.
+static float tolerance_of(const olx_sample_settings *settings) {
+  const float tolerance = settings->surface_tolerance;
+  return tolerance >= 0.0f && tolerance <= OLX_MOST_SURFACE_TOLERANCE ? tolerance : 0.0f;
 }
 
 // Gathers the light that is stored for the point's surface or, where none is, for surfaces close before or behind it,
 // as probes near the point see them; returns whether it is of the point's own surface.
 static bool gather(const olx_field *field, const olx_sample_settings *settings, const olx_surface_point *point,
                    blend *b) {
+  const float tolerance = tolerance_of(settings);
   ranking r;
   if (settings->select != OLX_SELECT_EXHAUSTIVE) {
     rank_near(field, settings, point, &r);
-    read_ranked(field, settings, point, &r, b);
+    read_ranked(field, tolerance, point, &r, b);
   }
   if (b->count > 0) return true;
   rank_all(field, settings, point, &r);
-  read_ranked(field, settings, point, &r, b);
+  read_ranked(field, tolerance, point, &r, b);
   if (b->count > 0) return true;
-  olx_sample_settings loose = *settings;
-  loose.surface_tolerance += OLX_NEAR_SURFACE;
-  rank_near(field, &loose, point, &r);
-  read_ranked(field, &loose, point, &r, b);
+  rank_near(field, settings, point, &r);
+  read_ranked(field, tolerance + OLX_NEAR_SURFACE, point, &r, b);
   return false;
 }
 

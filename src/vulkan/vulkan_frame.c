@@ -329,7 +329,7 @@ void olx_vulkan_frame_destroy(olx_vulkan_frame *f) {
 
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan_settings *s) {
   if ((uint32_t)s->sample.tracer > OLX_TRACER_HIZ) {
-    return olx_fail(OLX_ERROR_UNSUPPORTED, "tracer %d does not run on the GPU", (int)s->sample.tracer);
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer %d", (int)s->sample.tracer);
   }
   if (s->sample.select < OLX_SELECT_EXHAUSTIVE && !(OLX_SELECT_GPU_MASK >> s->sample.select & 1u)) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
@@ -343,6 +343,9 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   }
   if (s->diffuse_samples < 1 || s->diffuse_samples > MAX_SAMPLES) {
     return olx_fail(OLX_ERROR_ARGUMENT, "%u diffuse rays are not within 1 to %d", s->diffuse_samples, MAX_SAMPLES);
+  }
+  if (!(s->dim_lobe >= 0.0f && s->dim_lobe <= 1.0f)) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "a dim lobe's reflectance of %g is not within 0 to 1", (double)s->dim_lobe);
   }
   if (!(s->sample.surface_tolerance >= 0.0f && s->sample.surface_tolerance <= OLX_MOST_SURFACE_TOLERANCE)) {
     return olx_fail(OLX_ERROR_ARGUMENT, "a surface tolerance of %g footprints is not within 0 to %g",

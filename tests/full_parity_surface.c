@@ -31,7 +31,7 @@ static void derive_surface(parity_state *s, surface_state *e) {
   e->p.vertex_normal = n;
   e->p.shading_normal = s->bits[3] & 0x10000u ? olx_normalize(olx_madd(n, s->view, 0.5f)) : n;
   s->settings.surface_tolerance = s->bits[3] & 0x20000u ? s->random[3] : 0.0f;
-  e->view = view_from(s->field, &s->settings, s->probe, &e->p);
+  e->view = view_from(s->field, s->settings.surface_tolerance, s->probe, &e->p);
   const uint32_t corner = s->bits[0] >> 16;
   e->first_x = (int32_t)s->x - (int32_t)(corner & 1u);
   e->first_y = (int32_t)s->y - (int32_t)(corner >> 1 & 1u);
@@ -167,7 +167,8 @@ SURFACE_ROW(texel_agrees, seen_texel t;
 SURFACE_ROW(passes, seen_texel t; seen_texel o; see(s, e, (int32_t)s->x, (int32_t)s->y, &t);
     see(s, e, e->first_x, e->first_y, &o); put_f(r, passes(t.step, &o));)
 SURFACE_ROW(texel_step, put_3(r, step_from(s, e));)
-SURFACE_ROW(read_texels, const texel_light light = read_texels(s->field, &s->settings, s->probe, &e->p);
+SURFACE_ROW(read_texels,
+    const texel_light light = read_texels(s->field, s->settings.surface_tolerance, s->probe, &e->p);
     put_3(r, light.sum); put_f(r, light.share);)
 SURFACE_ROW(blend_add, const blend b = some_blend(s); put_u(r, b.count); put_f(r, b.best);
     for (uint32_t i = 0; i < 4; i++) {

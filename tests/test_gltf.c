@@ -321,6 +321,22 @@ static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void *
   }
 }
 
+static void textures_without_an_image_are_reported_once(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  olx_scene *scene = load_model(write_square_model(
+      &m, *state, square_with(""), "[{\"mesh\": 0}]",
+      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.5, 0.25, 0.125, 1], \"metallicFactor\": "
+      "0, "
+      "\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": {\"index\": 0}}], \"textures\": [{}]"));
+  assert_int_equal(scene->warning_count, 1);
+  assert_model_warned(scene, "texture left out: ");
+  assert_model_warned(scene, "textures[0]: it has no image");
+  assert_int_equal(scene->texture_count, 0);
+  assert_near_vector(look_at_square(scene, 0.5f, 0.5f).base_color, 0.5f, 0.25f, 0.125f, 1e-5f);
+  olx_scene_free(scene);
+}
+
 // Encodes a square of 2 x 2 texels whose upper left one is half red and half transparent.
 static char *webp_uri(void) {
   const uint8_t texels[16] = {188, 0, 0, 128, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255};
@@ -702,6 +718,7 @@ int main(void) {
       WITH_FOLDER(a_texture_transform_may_name_another_set),
       WITH_FOLDER(a_third_kind_of_coordinates_is_warned_about),
       WITH_FOLDER(images_of_other_kinds_are_refused_or_replaced_by_their_source),
+      WITH_FOLDER(textures_without_an_image_are_reported_once),
       WITH_FOLDER(images_may_be_webp),
       WITH_FOLDER(damaged_webp_is_left_out_with_a_warning),
       WITH_FOLDER(the_scene_of_the_file_is_the_one_that_is_read),

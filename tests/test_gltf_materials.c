@@ -382,6 +382,33 @@ static void surfaces_without_a_material_are_reported(void **state) {
   olx_scene_free(scene);
 }
 
+static void numbers_of_extensions_outside_their_range_are_clamped_with_a_warning(void **state) {
+  static const char *const extensions[] = {
+      "\"KHR_materials_emissive_strength\": {\"emissiveStrength\": -1}",
+      "\"KHR_materials_specular\": {\"specularFactor\": 1.5}",
+      "\"KHR_materials_specular\": {\"specularColorFactor\": [1, -1, 1]}",
+      "\"KHR_materials_transmission\": {\"transmissionFactor\": -0.5}",
+      "\"KHR_materials_pbrSpecularGlossiness\": {\"glossinessFactor\": 2}",
+      "\"KHR_materials_pbrSpecularGlossiness\": {\"specularFactor\": [2, 0, 0]}",
+      "\"KHR_materials_pbrSpecularGlossiness\": {\"diffuseFactor\": [0.5, 0.5, -1, 1]}",
+  };
+  for (size_t i = 0; i < sizeof extensions / sizeof *extensions; ++i) {
+    gltf_maker m = {0};
+    char more[400];
+    add_square(&m);
+    // A second number outside its range does not name the material again.
+    snprintf(more, sizeof more,
+             ", \"materials\": [{\"name\": \"odd\", \"alphaMode\": \"MASK\", \"alphaCutoff\": %s, \"emissiveFactor\": "
+             "[1, 1, "
+             "1], \"extensions\": {%s}}]",
+             i % 2 ? "-1" : "0.5", extensions[i]);
+    olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+    assert_model_warned(scene, "1 material has numbers outside their range, clamped (odd)");
+    if (i == 0) assert_near_vector(scene->materials[0].emission, 0, 0, 0, 0.0f);
+    olx_scene_free(scene);
+  }
+}
+
 static void extensions_that_are_ignored_are_named(void **state) {
   gltf_maker m = {0};
   add_square(&m);
@@ -441,6 +468,7 @@ int main(void) {
       WITH_FOLDER(glossiness_and_the_reflectances_of_factors_are_kept),
       WITH_FOLDER(glossiness_textures_are_converted_texel_by_texel),
       WITH_FOLDER(surfaces_without_a_material_are_reported),
+      WITH_FOLDER(numbers_of_extensions_outside_their_range_are_clamped_with_a_warning),
       WITH_FOLDER(extensions_that_are_ignored_are_named),
       WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
   };

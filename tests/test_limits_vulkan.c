@@ -189,9 +189,10 @@ static const struct {
                 {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, MOST_SAMPLED_IMAGES}};
 enum { PROMISES = sizeof PROMISED / sizeof PROMISED[0], MOST_LAYOUTS = 64 };
 
-// Set layouts that were created, and how many descriptors of each type they have.
+// Set layouts that were created, how many descriptors of each type they have, and the stages of the first.
 static struct {
   VkDescriptorSetLayout layout;
+  VkShaderStageFlags stages;
   uint32_t count[PROMISES];
 } set_layouts[MOST_LAYOUTS];
 static uint32_t set_layout_count, pipeline_layout_count;
@@ -204,6 +205,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL counting_set_layout(VkDevice d, const VkDe
   const VkResult result = real(d, info, callbacks, layout);
   assert_true(set_layout_count < MOST_LAYOUTS);
   set_layouts[set_layout_count].layout = *layout;
+  set_layouts[set_layout_count].stages = info->pBindings[0].stageFlags;
   for (uint32_t k = 0; k < PROMISES; k++) {
     uint32_t *count = &set_layouts[set_layout_count].count[k];
     *count = 0;
@@ -215,16 +217,20 @@ static VKAPI_ATTR VkResult VKAPI_CALL counting_set_layout(VkDevice d, const VkDe
   return result;
 }
 
+static uint32_t number_of_set_layout(VkDescriptorSetLayout layout) {
+  uint32_t made = set_layout_count;
+  while (made > 0 && set_layouts[made - 1].layout != layout) made--;
+  assert_true(made > 0);
+  return made - 1;
+}
+
 static VKAPI_ATTR VkResult VKAPI_CALL judging_layout(VkDevice d, const VkPipelineLayoutCreateInfo *info,
                                                      const VkAllocationCallbacks *callbacks, VkPipelineLayout *layout) {
   assert_true(info->setLayoutCount <= 4);
   for (uint32_t k = 0; k < PROMISES; k++) {
     uint32_t count = 0;
     for (uint32_t i = 0; i < info->setLayoutCount; i++) {
-      uint32_t made = set_layout_count;
-      while (made > 0 && set_layouts[made - 1].layout != info->pSetLayouts[i]) made--;
-      assert_true(made > 0);
-      count += set_layouts[made - 1].count[k];
+      count += set_layouts[number_of_set_layout(info->pSetLayouts[i])].count[k];
     }
     if (count > PROMISED[k].most) fail_msg("%u bindings of VkDescriptorType %d", count, (int)PROMISED[k].type);
   }
@@ -245,6 +251,12 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL judging_function(VkInstance inst
   return device.host.get_instance_proc_addr(instance, name);
 }
 
+static void assert_read_by_all_stages_of_hosts(VkDescriptorSetLayout layout) {
+  assert_int_equal(set_layouts[number_of_set_layout(layout)].stages,
+                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT);
+}
+
+// Nor do the sets that hosts bind themselves serve fewer stages than promised.
 static void passes_bind_no_more_than_every_device_has(void **unused) {
   (void)unused;
   host_need_device(&device);
@@ -258,6 +270,8 @@ static void passes_bind_no_more_than_every_device_has(void **unused) {
   assert_int_equal(olx_vulkan_field_create(&host, field, &uploaded), OLX_OK);
   faults_empty_pipelines(&device, &uploaded->context.vk);
   assert_int_equal(olx_vulkan_classic_create(uploaded, field, &classic), OLX_OK);
+  assert_read_by_all_stages_of_hosts(olx_vulkan_field_set_layout(uploaded));
+  assert_read_by_all_stages_of_hosts(olx_vulkan_classic_set_layout(classic));
   host_images h = make_images(8, 8, VK_FORMAT_R32G32B32A32_SFLOAT);
   h.targets.denoise = OLX_VULKAN_LOBE_DIFFUSE | OLX_VULKAN_LOBE_GLOSSY;
   assert_int_equal(olx_vulkan_frame_create(uploaded, &h.targets, &frame), OLX_OK);

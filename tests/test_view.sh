@@ -54,9 +54,8 @@ press O
 press O
 pick 40 60
 screenshot map-without.png
-quit
 SCRIPT
-expect 0 "${plain[@]}" --script plain.txt
+expect 0 "${plain[@]}" --script plain.txt --screenshot last.png # one more frame after the script
 check 'p[0].width == 96 and p[0].height == 80 and not uniform(p[0]) and mean(p[0]) > 10' one.png
 for other in cpu without; do
   check 'differing(p[0], p[1]) < 0.3 and abs(mean(p[0]) / mean(p[1]) - 1) < 0.1' one.png $other.png
@@ -64,6 +63,7 @@ done
 for overlay in radiance answer map; do
   check 'abs(mean(p[0]) / mean(p[1]) - 1) < 0.15' $overlay-without.png $overlay.png
 done
+check 'p[0].width == 96 and differing(p[0], p[1]) < 0.01' last.png map-without.png
 for wrong in "--overlay irradiance" "--overlay weights" "--hits stored"; do
   expect_failure "bake --probe-light" "${plain[@]}" --screenshot refused.png $wrong
 done
@@ -90,11 +90,12 @@ press ESCAPE
 frames 5
 screenshot after.png
 SCRIPT
-expect 0 "${view[@]}" --script window.txt
+expect 0 "${view[@]}" --script window.txt --frames 100 --screenshot left.png
 check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 96' flown.png
 check 'not uniform(p[0]) and mean(p[0]) > 10 and p[0].width == 200 and p[0].height == 150' larger.png
 check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
 [ -e after.png ] && fail "escape did not leave"
+check 'not uniform(p[0]) and p[0].width == 120' left.png # the last frame, though not the hundredth
 # Shaders are compiled for the first picture, and for the first overlay.
 [ "$(grep -c "^compiling shaders ...$" stderr.txt)" = 2 ] || fail "not told twice that shaders are compiled"
 finish

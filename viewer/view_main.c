@@ -184,8 +184,6 @@ static bool take_input(viewer *v, float seconds, const char **screenshot) {
   }
   view_panel_takes(v->panel, &v->window.mouse_taken, &v->window.keys_taken);
   view_input_apply(&v->input, seconds, &v->facts, &v->state, &v->camera);
-  const uint32_t last = v->options.frames;
-  if (v->options.screenshot && last && v->frame + 1 == last) *screenshot = v->options.screenshot;
   return go_on && !v->state.quit;
 }
 
@@ -231,21 +229,28 @@ static bool draw(viewer *v, const uint32_t size[2], float seconds, const char *s
   return true;
 }
 
+// Draws frames until the program should end. Where --screenshot asks for the last frame, one follows the input that
+// ends the program.
 static bool run(viewer *v) {
+  const view_options *o = &v->options;
   double before = clock_seconds(CLOCK_MONOTONIC);
-  for (;;) {
+  for (bool last = false; !last; v->frame++) {
     const double at = clock_seconds(CLOCK_MONOTONIC);
     const float seconds = v->script ? SCRIPT_SECONDS : (float)fmin(at - before, 0.1);
     before = at;
     const char *screenshot = NULL;
-    if (!take_input(v, seconds, &screenshot)) return true;
+    const bool ended = !take_input(v, seconds, &screenshot);
+    if (ended && !o->screenshot) return true;
+    last = ended || v->frame + 1 == o->frames;
+    if (last && o->screenshot) screenshot = o->screenshot;
     uint32_t size[2];
     current_size(v, size);
     const bool visible = size[0] > 0 && size[1] > 0;
     if (visible && !draw(v, size, seconds, screenshot)) return false;
-    v->frame++;
-    if (v->options.frames && v->frame >= v->options.frames) return true;
+    if (!visible && last && o->screenshot)
+      return failure("view", "%s: the last frame has no pixels", o->screenshot) == EXIT_DONE;
   }
+  return true;
 }
 
 int main(int argc, char **argv) {

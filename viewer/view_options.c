@@ -107,7 +107,7 @@ static const option view_quality_options[] = {
 static const option view_picture_options[] = {
     {"--frames", OPTION_COUNT, offsetof(view_options, frames), "N", "leave after N frames", 1, 100000000},
     {"--screenshot", OPTION_TEXT, offsetof(view_options, screenshot), "FILE.png",
-     "write the last frame; without --frames, the first"},
+     "write the last frame; without --frames and --script, the first"},
     {"--script", OPTION_TEXT, offsetof(view_options, script), "FILE",
      "play keys, mouse and window from a file, then leave"},
     {"--offscreen", OPTION_FLAG, offsetof(view_options, offscreen), NULL, "open no window"},

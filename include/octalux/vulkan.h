@@ -255,7 +255,7 @@ olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field
 void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
 
 // Returns the descriptor set that shaders/lib/classic.glsl reads in addition to the field's, or its layout. Both belong
-// to `classic` and are visible to compute shaders.
+// to `classic` and are visible to vertex, fragment and compute shaders.
 VkDescriptorSetLayout olx_vulkan_classic_set_layout(const olx_vulkan_classic *classic);
 VkDescriptorSet olx_vulkan_classic_set(const olx_vulkan_classic *classic);
 

@@ -23,6 +23,9 @@ olx_result olx_vulkan_check(VkResult result, const char *call, const char *what)
 olx_result olx_vulkan_allocate(const olx_vulkan_context *context, const VkMemoryRequirements *requirements,
                                VkMemoryPropertyFlags properties, const char *what, VkDeviceMemory *memory);
 
+// The stages of a host's own shaders that may read the library's sets.
+enum { OLX_HOST_STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT };
+
 // The bindings of a descriptor set: a bit for each binding of each kind, and the stages that use them.
 typedef struct olx_set_bindings {
   uint32_t uniforms, buffers, sampled, stored; // uniform and storage buffers, sampled and storage images

@@ -124,7 +124,7 @@ static olx_result upload(olx_vulkan_classic *classic, const olx_field *field) {
 
 static olx_result create_set(olx_vulkan_classic *classic) {
   const olx_vulkan_context *c = &classic->field->context;
-  const olx_set_bindings bindings = {.buffers = 1, .stages = VK_SHADER_STAGE_COMPUTE_BIT};
+  const olx_set_bindings bindings = {.buffers = 1, .stages = OLX_HOST_STAGES};
   OLX_TRY(olx_vulkan_set_layout_create(c, &bindings, WHAT, &classic->set_layout));
   const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1};
   const VkDescriptorPoolCreateInfo pool = {

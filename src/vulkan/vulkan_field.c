@@ -336,8 +336,7 @@ olx_result olx_gpu_field_set_layout(const olx_vulkan_context *c, uint32_t mask, 
   const olx_set_bindings bindings = {.uniforms = mask & uniforms,
                                      .buffers = mask & ~(uniforms | images),
                                      .sampled = mask & images,
-                                     .stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT |
-                                               VK_SHADER_STAGE_COMPUTE_BIT};
+                                     .stages = OLX_HOST_STAGES};
   return olx_vulkan_set_layout_create(c, &bindings, WHAT, layout);
 }
 

@@ -15,7 +15,8 @@ typedef struct material_reader {
   uint32_t index;
   olx_material *material;
   olx_gltf_surface *surface;
-  bool crowded; // a texture would need a third placement
+  bool crowded;  // a texture would need a third placement
+  bool repaired; // a number of an extension was outside its range
 } material_reader;
 
 static float number_of(const cJSON *object, const char *key, float otherwise) {
@@ -28,6 +29,17 @@ static olx_vec3 color_of(const cJSON *object, const char *key, float otherwise) 
   float c[3] = {otherwise, otherwise, otherwise};
   olx_json_floats(olx_json_member(object, key), c, 3);
   return olx_load3(c);
+}
+
+// Clamps a number of an extension to 0..most, which the extension prescribes.
+static float clamp_number(material_reader *r, float number, float most) {
+  const float clamped = olx_clamp(number, 0.0f, most);
+  r->repaired = r->repaired || clamped != number;
+  return clamped;
+}
+
+static olx_vec3 clamp_color(material_reader *r, olx_vec3 c, float most) {
+  return olx_v3(clamp_number(r, c.x, most), clamp_number(r, c.y, most), clamp_number(r, c.z, most));
 }
 
 static olx_result request(material_reader *r, const cJSON *info, const char *key, olx_texture_use use,
@@ -70,9 +82,9 @@ static void read_alpha(const material_reader *r, const cJSON *element, float alp
 }
 
 // Takes what a thin surface transmits for missing opacity. Its base colour tints that light: the mean counts.
-static void read_transmission(const material_reader *r, const cJSON *element) {
+static void read_transmission(material_reader *r, const cJSON *element) {
   const cJSON *extension = olx_gltf_extension(element, "KHR_materials_transmission");
-  const float factor = olx_clamp(number_of(extension, "transmissionFactor", 0.0f), 0.0f, 1.0f);
+  const float factor = clamp_number(r, number_of(extension, "transmissionFactor", 0.0f), 1.0f);
   olx_material *m = r->material;
   if (!(factor > 0.0f)) return;
   if (olx_json_member(extension, "transmissionTexture")) {
@@ -129,9 +141,9 @@ static olx_result read_specular_textures(material_reader *r, const cJSON *elemen
 
 static olx_result read_specular(material_reader *r, const cJSON *element) {
   const cJSON *specular = olx_gltf_extension(element, "KHR_materials_specular");
-  const olx_vec3 color = color_of(specular, "specularColorFactor", 1.0f);
+  const olx_vec3 color = clamp_color(r, color_of(specular, "specularColorFactor", 1.0f), INFINITY);
   const bool colored = olx_json_member(specular, "specularColorTexture");
-  const float factor = olx_clamp(number_of(specular, "specularFactor", 1.0f), 0.0f, 1.0f);
+  const float factor = clamp_number(r, number_of(specular, "specularFactor", 1.0f), 1.0f);
   r->surface->specular = (olx_gltf_specular){.color = color, .factor = factor};
   r->material->specular_weight = olx_gltf_specular_weight(factor, color);
   if (colored || color.x != 1.0f || color.y != 1.0f || color.z != 1.0f) {
@@ -181,8 +193,9 @@ static olx_result read_glossy_textures(material_reader *r, const cJSON *glossy) 
 static olx_result read_glossiness(material_reader *r, const cJSON *element, const cJSON *glossy) {
   float diffuse[4] = {1.0f, 1.0f, 1.0f, 1.0f};
   olx_json_floats(olx_json_member(glossy, "diffuseFactor"), diffuse, 4);
-  const olx_gltf_glossiness factors = {olx_load3(diffuse), color_of(glossy, "specularFactor", 1.0f),
-                                       number_of(glossy, "glossinessFactor", 1.0f)};
+  const olx_gltf_glossiness factors = {clamp_color(r, olx_load3(diffuse), 1.0f),
+                                       clamp_color(r, color_of(glossy, "specularFactor", 1.0f), 1.0f),
+                                       clamp_number(r, number_of(glossy, "glossinessFactor", 1.0f), 1.0f)};
   const olx_gltf_converted converted = olx_gltf_convert_glossiness(&factors);
   r->surface->glossy.factors = factors;
   r->material->base_color = converted.base_color;
@@ -200,7 +213,7 @@ static olx_result read_material(material_reader *r, const cJSON *element) {
   m->normal_scale = number_of(olx_json_member(element, "normalTexture"), "scale", 1.0f);
   const cJSON *strength = olx_gltf_extension(element, "KHR_materials_emissive_strength");
   m->emission = olx_scale(color_of(element, "emissiveFactor", 0.0f),
-                          olx_max(number_of(strength, "emissiveStrength", 1.0f), 0.0f));
+                          clamp_number(r, number_of(strength, "emissiveStrength", 1.0f), INFINITY));
   m->emits_both_sides = cJSON_IsTrue(olx_json_member(element, "doubleSided"));
   const cJSON *glossy = olx_gltf_extension(element, "KHR_materials_pbrSpecularGlossiness");
   OLX_TRY(glossy ? read_glossiness(r, element, glossy) : read_metallic_roughness(r, element));
@@ -216,7 +229,7 @@ static olx_result import_material(olx_gltf *gltf, olx_material_import *import, o
   material_reader reader = {
       .gltf = gltf, .import = import, .merging = merging, .index = index, .material = &material, .surface = surface};
   OLX_TRY(read_material(&reader, index < gltf->materials.count ? gltf->materials.elements[index] : NULL));
-  olx_import_repair_material(import, &material);
+  olx_import_repair_material(import, &material, reader.repaired);
   // Texture coordinates that no texture uses are unchanged.
   if (!surface->placements.count) {
     const olx_gltf_placement plain = olx_gltf_read_placement(NULL);

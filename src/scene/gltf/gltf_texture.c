@@ -109,8 +109,8 @@ static bool find_image(const olx_gltf *gltf, uint32_t texture, uint32_t *image) 
   return olx_gltf_index(olx_gltf_extension(element, "EXT_texture_webp"), "source", gltf->images.count, image);
 }
 
-// Rejects kinds of images that are not supported.
-static olx_result refuse_kind(const olx_gltf *gltf, uint32_t texture) {
+// Reports a texture without an image: one of a kind that is not supported is rejected, one of no kind left out.
+static olx_result report_imageless(const olx_gltf *gltf, olx_material_import *import, uint32_t texture) {
   static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     if (!olx_gltf_extension(gltf->textures.elements[texture], kinds[i])) continue;
@@ -119,7 +119,9 @@ static olx_result refuse_kind(const olx_gltf *gltf, uint32_t texture) {
         "%s: textures[%u]: its only image is one of %s, which is not supported: give it a source in PNG, JPEG or WebP",
         gltf->path, texture, kinds[i]);
   }
-  return OLX_OK;
+  char label[4200];
+  snprintf(label, sizeof label, "%.4100s: textures[%u]", gltf->path, texture);
+  return olx_texture_table_leave_out(&import->textures, label, "it has no image");
 }
 
 olx_result olx_gltf_request_texture(olx_gltf *gltf, olx_material_import *import, uint32_t texture, olx_texture_use use,
@@ -131,7 +133,7 @@ olx_result olx_gltf_request_texture(olx_gltf *gltf, olx_material_import *import,
   if (!find_image(gltf, texture, &image)) {
     return olx_gltf_fail(gltf, "textures", texture, "its image does not exist");
   }
-  if (image == OLX_GLTF_NONE) return refuse_kind(gltf, texture);
+  if (image == OLX_GLTF_NONE) return report_imageless(gltf, import, texture);
   return request_image(gltf, import, image, use, number);
 }
 

@@ -27,8 +27,8 @@ bool olx_gltf_find_placement(olx_gltf_placements *placements, const olx_gltf_pla
 
 olx_vec2 olx_gltf_place_uv(const olx_gltf_placement *place, olx_vec2 uv);
 
-// Requests the image of texture `texture`: *number is its index in import->textures, or OLX_NO_TEXTURE where it names
-// none. Returns OLX_ERROR_UNSUPPORTED when it names only an image of an extension's kind.
+// Requests the image of texture `texture`: *number is its index in import->textures, or OLX_NO_TEXTURE where it has
+// none, which becomes a warning. Returns OLX_ERROR_UNSUPPORTED when it names only an image of an extension's kind.
 olx_result olx_gltf_request_texture(olx_gltf *gltf, olx_material_import *import, uint32_t texture, olx_texture_use use,
                                     uint32_t *number);
 

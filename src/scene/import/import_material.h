@@ -28,8 +28,8 @@ typedef struct olx_material_import {
 olx_result olx_import_texture_file(olx_material_import *import, const char *name, olx_texture_use use,
                                    uint32_t *number);
 
-// Clamps the values of a material to their ranges.
-void olx_import_repair_material(olx_material_import *import, olx_material *material);
+// Clamps the values of a material to their ranges. `repaired`: other numbers of it were clamped before.
+void olx_import_repair_material(olx_material_import *import, olx_material *material, bool repaired);
 
 // Loads the textures, and replaces indices of import->textures by the scene's in its materials from `first` on.
 olx_result olx_import_load_textures(olx_material_import *import, uint32_t first);

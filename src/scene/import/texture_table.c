@@ -50,8 +50,18 @@ olx_result olx_texture_table_request(olx_texture_table *table, const char *path,
   return OLX_OK;
 }
 
+olx_result olx_texture_table_leave_out(olx_texture_table *table, const char *label, const char *why) {
+  static const char nothing[] = "";
+  uint32_t number;
+  OLX_TRY(olx_texture_table_request(table, label, nothing, 0, OLX_TEXTURE_COLOR, &number));
+  olx_texture_request *request = &table->requests[number];
+  snprintf(request->error, sizeof request->error, "%.200s: %s", label, why);
+  return OLX_OK;
+}
+
 static void load_one(void *user, uint32_t index) {
   olx_texture_request *request = &((olx_texture_table *)user)->requests[index];
+  if (request->error[0]) return;
   if (olx_texture_load(request->path, request->data, request->size_bytes, request->use, &request->texture) != OLX_OK) {
     // The last error is local to the thread that runs this job.
     snprintf(request->error, sizeof request->error, "%s", olx_last_error());

@@ -25,6 +25,9 @@ typedef struct olx_texture_table {
 olx_result olx_texture_table_request(olx_texture_table *table, const char *path, const void *data, size_t size_bytes,
                                      olx_texture_use use, uint32_t *number);
 
+// Notes that the texture named `label` is left out, and why; the warning is among those of textures that cannot be read.
+olx_result olx_texture_table_leave_out(olx_texture_table *table, const char *label, const char *why);
+
 // Decodes all textures, which remain the table's. Unreadable images become warnings of the scene; images that exceed
 // its limit of texels are rejected before any is decoded.
 olx_result olx_texture_table_decode(olx_texture_table *table, const char *model_path, olx_scene *scene);

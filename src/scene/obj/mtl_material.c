@@ -74,6 +74,6 @@ olx_result olx_import_mtl(olx_material_import *import, const struct aiMaterial *
   aiGetMaterialString(source, AI_MATKEY_NAME, &name);
   snprintf(material->name, sizeof material->name, "%.127s", name.data);
   OLX_TRY(read_mtl(import, source, material));
-  olx_import_repair_material(import, material);
+  olx_import_repair_material(import, material, false);
   return OLX_OK;
 }

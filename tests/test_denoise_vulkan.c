@@ -4,6 +4,7 @@
 #include "core/sampling.h"
 #include "render/denoise.h"
 #include "shade/emission.h"
+#include "shade/glossy.h"
 #include "vulkan/vulkan_frame.h"
 #include "vulkan_faults.h"
 #include "vulkan_host.h"
@@ -29,6 +30,7 @@ static host_images make_images(uint32_t width, uint32_t height, uint32_t lobes) 
   host_images host = host_images_make(&device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT);
   host.targets.denoise = lobes;
   host.targets.passes = PASSES;
+  host.targets.geometric_normal = host_input(&host, HOST_GEOMETRIC_NORMAL);
   return host;
 }
 
@@ -148,10 +150,21 @@ static olx_vec3 glossy_factor(const host_pixel *p) {
   return olx_max_each(olx_fresnel(&bsdf, olx_dot(p->view, p->normal)), olx_splat(0.01f));
 }
 
-// Returns the light and distance of the device's rays where they end.
+// Returns whether a direction leads behind the surface: such rays are not traced, and find no light.
+static bool leads_inside(const host_pixel *p, olx_vec3 direction) {
+  return olx_dot(direction, p->geometric_normal) <= 0.0f;
+}
+
+// Returns the light and distance of the device's rays where they end. A surface that reflects no diffuse light towards
+// the eye has no diffuse ray.
 static olx_incident sample_diffuse(const olx_field *field, const host_pixel *p, olx_vec2 random) {
   const olx_sample_settings settings = olx_sample_settings_default();
   const olx_vec3 direction = olx_from_basis(olx_sample_cosine(random), p->normal);
+  const olx_bsdf bsdf = bsdf_of(p);
+  if (!(olx_max3(olx_bsdf_diffuse(&bsdf, olx_dot(p->view, p->normal))) > 0.0f)) {
+    return (olx_incident){.inverse_distance = -1.0f};
+  }
+  if (leads_inside(p, direction)) return (olx_incident){.inverse_distance = 0.0f};
   const olx_trace_hit hit = olx_trace(field, &settings, p->position, direction, INFINITY);
   return (olx_incident){hit.emitter ? olx_splat(0.0f) : olx_scale(hit.radiance, OLX_PI), olx_nearness(&hit)};
 }
@@ -161,6 +174,11 @@ static olx_incident sample_glossy(const olx_field *field, const host_pixel *p, o
   const olx_bsdf bsdf = bsdf_of(p);
   float weight, half_cosine;
   olx_trace_hit hit;
+  olx_vec3 direction;
+  if (!olx_glossy_draw(p->normal, p->view, p->roughness, random, &direction, &weight, &half_cosine) ||
+      leads_inside(p, direction)) {
+    return (olx_incident){.inverse_distance = 0.0f};
+  }
   const olx_vec3 radiance =
       olx_glossy(field, &settings, p->position, p->normal, p->view, p->roughness, random, &weight, &half_cosine, &hit);
   if (weight <= 0.0f) return (olx_incident){.inverse_distance = 0.0f};
@@ -253,11 +271,14 @@ static void judge(const host_fixture *f, const cpu_denoiser *c, const host_view 
   for (uint32_t lobe = 0; lobe < 2; lobe++) errors[lobe] /= sums[lobe];
 }
 
-static void compare_frames(host_fixture *f, const olx_denoise_settings *filters, olx_vec2 shift, bool moves) {
+// Compares frames of an eye that may move. `bend`: the strength of bent normals (host_view).
+static void compare_frames(host_fixture *f, const olx_denoise_settings *filters, olx_vec2 shift, bool moves,
+                           float bend) {
   cpu_denoiser *c = make_cpu_denoiser();
   olx_vulkan_settings settings = settings_of(filters, BOTH);
   for (uint32_t frame = 0; frame < 4; frame++) {
-    const host_view view = view_of_frame(f, moves ? frame : 0, shift);
+    host_view view = view_of_frame(f, moves ? frame : 0, shift);
+    view.bend = bend;
     run_frame(f, &view, &settings, frame);
     run_cpu_frame(c, f->field, &view, filters, frame);
     double errors[2];
@@ -273,10 +294,19 @@ static void frames_are_those_of_the_cpu(void **unused) {
   (void)unused;
   host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
   const olx_denoise_settings adaptive = olx_denoise_settings_default(), published = olx_denoise_settings_published();
-  compare_frames(f, &adaptive, (olx_vec2){0, 0}, false);
-  compare_frames(f, &adaptive, (olx_vec2){0, 0}, true);
-  compare_frames(f, &published, (olx_vec2){0, 0}, true);
-  compare_frames(f, &adaptive, (olx_vec2){3, -2}, true); // a shifted picture, as of a jittered projection
+  compare_frames(f, &adaptive, (olx_vec2){0, 0}, false, 0.0f);
+  compare_frames(f, &adaptive, (olx_vec2){0, 0}, true, 0.0f);
+  compare_frames(f, &published, (olx_vec2){0, 0}, true, 0.0f);
+  compare_frames(f, &adaptive, (olx_vec2){3, -2}, true, 0.0f); // a shifted picture, as of a jittered projection
+  assert_silent(f);
+}
+
+// Diffuse and glossy rays that a bent normal sends behind the surface bring no light, and count as rays.
+static void no_light_comes_from_behind_the_surface(void **unused) {
+  (void)unused;
+  host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
+  const olx_denoise_settings filters = olx_denoise_settings_default();
+  compare_frames(f, &filters, (olx_vec2){0, 0}, false, 0.8f);
   assert_silent(f);
 }
 
@@ -472,6 +502,7 @@ static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_are_those_of_the_cpu),
+      cmocka_unit_test(no_light_comes_from_behind_the_surface),
       cmocka_unit_test(any_number_of_frames_may_be_recorded_ahead),
       cmocka_unit_test(glossy_light_alone_needs_no_other_history),
       cmocka_unit_test(memory_is_told_before),

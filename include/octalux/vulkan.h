@@ -124,8 +124,8 @@ typedef struct olx_vulkan_targets {
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
   // Optional; a view of VK_NULL_HANDLE: none. From these three olx_vulkan_record_irradiance finds which stored surface
   // a pixel shows (octalux/sample.h, olx_surface_irradiance). Normals are in world space, .xyz, as in `normal`.
-  // The normal of the triangle, of either side; olx_vulkan_record_glossy traces no ray behind it. None: it is derived
-  // from depth, which needs 24 bits or more, and rays are traced in all directions.
+  // The normal of the triangle, of either side; olx_vulkan_record_diffuse and olx_vulkan_record_glossy trace no ray
+  // behind it. None: it is derived from depth, which needs 24 bits or more, and rays are traced in all directions.
   olx_vulkan_image geometric_normal;
   // The normal interpolated between the triangle's corners, on the side towards the eye; `normal` is this one bent by
   // normal maps. None: `normal` replaces it, and normal maps do not show in stored light.

@@ -12,6 +12,8 @@ void gather(ivec2 pixel, frame_surface surface) {
   for (uint j = 0u; j < count; j++) {
     vec2 random = olx_stratified2(frame.sample_index * count + j, seed);
     vec3 direction = olx_from_basis(olx_sample_cosine(random), surface.normal);
+    // The way to the eye is computed again, so that it is not kept while rays are traced.
+    if (leads_inside(pixel, frame.eye.xyz - surface.position, direction)) continue;
     olx_trace_hit hit = olx_trace(settings, surface.position, direction, OLX_INFINITY);
     sum += olx_light_found(settings, hit, surface.position);
     nearness += olx_nearness(hit);

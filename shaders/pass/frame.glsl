@@ -63,12 +63,12 @@ bool read_surface(ivec2 pixel, out frame_surface surface) {
   return true;
 }
 
-// Returns whether a direction leads into the pixel's surface, which rays drawn around its shading normal may do. Without
-// a geometric normal from the host none does.
-bool leads_inside(ivec2 pixel, frame_surface surface, vec3 direction) {
+// Returns whether a direction leads into the pixel's surface, which rays drawn around its shading normal may do; `view`
+// leads to the eye. Without a geometric normal from the host none does.
+bool leads_inside(ivec2 pixel, vec3 view, vec3 direction) {
   if (!has_flag(OLX_FRAME_GEOMETRIC_NORMAL)) return false;
   vec3 normal = read_normal(geometric_normal_image, pixel, OLX_FRAME_GEOMETRIC_UNORM);
-  return olx_dot(normal, direction) * olx_dot(normal, surface.view) <= 0.0;
+  return olx_dot(normal, direction) * olx_dot(normal, view) <= 0.0;
 }
 
 vec4 storable(vec3 light, float alpha) { return vec4(clamp(light, vec3(0.0), vec3(OLX_HALF_MOST)), alpha); }

@@ -32,7 +32,7 @@ void trace_ray(ivec2 pixel, frame_surface surface, vec2 random, inout waiting_ra
     vec3 direction;
     if (!olx_glossy_draw(surface.normal, surface.view, surface.roughness, random, direction, weight, half_cosine))
       return;
-    if (leads_inside(pixel, surface, direction)) return;
+    if (leads_inside(pixel, surface.view, direction)) return;
     next.ray = olx_further_ray(surface.position, direction, olx_fresnel(surface.bsdf, half_cosine) * weight);
   }
   olx_trace_hit hit = olx_trace(settings, next.ray.origin, next.ray.direction, OLX_INFINITY);

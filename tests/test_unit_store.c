@@ -131,7 +131,7 @@ static void an_edit_has_to_be_allowed_and_to_be_of_the_scene_alone(void **state)
   olx_manifest_add(&other, "noise", "0.1");
   olx_work_folder *folder;
   assert_int_equal(work_place_open_as(p, &painted, OLX_WORK_ALONE, false, &folder), OLX_ERROR_ARGUMENT);
-  assert_non_null(strstr(olx_last_error(), "its paint is red, and this one's is blue"));
+  assert_non_null(strstr(olx_last_error(), "with 'paint red' in place of 'paint blue'"));
   assert_non_null(strstr(olx_last_error(), "or reuse what still holds with --keep-work"));
   const olx_work_folder_settings settings = {.manifest = &other, .lock = OLX_WORK_ALONE, .edited = true};
   assert_int_equal(olx_work_folder_open(p->folder, &settings, &folder), OLX_ERROR_ARGUMENT);

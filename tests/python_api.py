@@ -66,7 +66,9 @@ class Fields(Packaged):
         origins, directions = self.rays(200)
         together = self.field.trace(origins, directions)
         for i in range(200):
-            self.assertEqual(together[i].tobytes(), self.field.trace(origins[i], directions[i]).tobytes())
+            alone = self.field.trace(origins[i], directions[i])
+            for name in together.dtype.names:  # whatever lies between members does not count
+                self.assertEqual(together[i][name].tobytes(), alone[name].tobytes(), name)
 
     def test_shapes_come_back_and_out_is_filled(self):
         origins, directions = self.rays(24)

@@ -256,7 +256,8 @@ static void assert_read_by_all_stages_of_hosts(VkDescriptorSetLayout layout) {
                    VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT);
 }
 
-// Nor do the sets that hosts bind themselves serve fewer stages than promised.
+// The passes need no more bindings a stage than Vulkan guarantees, and the sets that hosts bind themselves serve
+// vertex, fragment and compute shaders, as octalux/vulkan.h promises.
 static void passes_bind_no_more_than_every_device_has(void **unused) {
   (void)unused;
   host_need_device(&device);

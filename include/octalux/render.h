@@ -65,8 +65,10 @@ olx_result olx_image_load(const char *path, olx_image *image);
 olx_result olx_png_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint8_t **png,
                           size_t *size_bytes);
 void olx_png_free(uint8_t *png);
-// Likewise for a JPEG, of 3 or 4 channels, of which the fourth is left out, and at most 65535 pixels a side; quality: 1
-// to 100.
+// Compresses 8-bit pixels of 3 (RGB) or 4 (RGBA, whose alpha is left out) channels, rows from the top, to a JPEG in
+// memory; quality: 1 to 100. OLX_ERROR_ARGUMENT, with a message, for other channels and qualities, and for a picture
+// without pixels, of more than 2 * 10^9 bytes, or of more than 65535 pixels a side. On success the caller must release
+// *jpeg with olx_png_free, on failure it is NULL.
 olx_result olx_jpeg_encode(uint32_t width, uint32_t height, uint32_t channels, const uint8_t *pixels, uint32_t quality,
                            uint8_t **jpeg, size_t *size_bytes);
 

@@ -25,7 +25,7 @@
 typedef struct render_options {
   const char *scene, *output, *png, *field, *camera, *from_camera;
   uint32_t method, size[2], spp, bounces, diffuse, diffuse_samples, glossy_samples, seed, threads, device;
-  uint32_t mode, gather_samples, frames, cut, denoise, emitters, relight;
+  uint32_t mode, gather_samples, frames, cut, denoise, ray_spacing, emitters, relight;
   olx_sample_settings sample;
   scene_options loading;
   float exposure, dim_lobe;
@@ -76,6 +76,7 @@ static olx_render_settings resolve(const render_options *o, const olx_field *fie
   settings.centered = o->centered;
   settings.dim_lobe = o->dim_lobe;
   settings.denoise = denoise_settings(o->denoise);
+  if (o->ray_spacing) settings.denoise.ray_spacing = o->ray_spacing;
   settings.threads = o->threads;
   settings.sample = o->sample;
   settings.sample.emitters = o->emitters != 0;
@@ -89,6 +90,7 @@ static int check_frames(render_options *o) {
   }
   if (o->gather_samples && o->mode != MODE_GATHER)
     return usage_error("render", "--gather-samples goes with --mode gather");
+  if (o->ray_spacing && !o->frames) return usage_error("render", "--ray-spacing goes with --frames");
   if (o->from_camera && !o->frames) return usage_error("render", "--from-camera goes with --frames");
   if (o->cut && (!o->from_camera || o->cut >= o->frames)) {
     return usage_error("render", "--cut goes with --from-camera, and is less than --frames");
@@ -375,6 +377,8 @@ static const option render_frame_options[] = {
      "denoised, prefiltered: make N frames as in real time, keep the last; denoised: 64", 1, 100000},
     {"--denoise", OPTION_CHOICE, offsetof(render_options, denoise), "none|published|adaptive",
      "how frames are filtered; default adaptive"},
+    {"--ray-spacing", OPTION_COUNT, offsetof(render_options, ray_spacing), "1|2",
+     "frames: 2 traces one pixel of each 2x2 a frame, in turn: a quarter of the rays; default 1", 1, 2},
     {"--from-camera", OPTION_TEXT, offsetof(render_options, from_camera), "NAME",
      "frames: begin here and glide to --camera"},
     {"--cut", OPTION_COUNT, offsetof(render_options, cut), "N", "frames: no glide, but a cut before the last N", 1,

@@ -179,6 +179,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_VERTEX_NORMAL 2048
 #define OLX_FRAME_VERTEX_UNORM 4096
 #define OLX_FRAME_DYNAMIC 8192
+#define OLX_FRAME_SPARSE 16384 // one pixel of each 2 x 2 traces: the one in the turn of TURN_X and TURN_Y
+#define OLX_FRAME_TURN_X 32768
+#define OLX_FRAME_TURN_Y 65536
 
 // Bits of olx_accumulate_constants.flags and olx_filter_constants.flags.
 #define OLX_DENOISE_DIFFUSE 1 // the lobes to mix into their histories
@@ -188,6 +191,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_DENOISE_MIRRORED 16 // the camera's frame is left-handed
 #define OLX_DENOISE_MIRRORED_BEFORE 32
 #define OLX_DENOISE_COLUMNS 64
+#define OLX_DENOISE_SPARSE 128 // as OLX_FRAME_SPARSE
+#define OLX_DENOISE_TURN_X 256
+#define OLX_DENOISE_TURN_Y 512
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
@@ -356,7 +362,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_STILL_PIXELS 1e-2f   // a point that reprojects this close to a pixel's centre counts as not moved
 #define OLX_ROUGHNESS_RANGE 0.1f // glossy light is not shared between surfaces whose roughness differs by more
 #define OLX_LEAST_WEIGHT 1e-6f   // a pixel whose weights sum to less has no value
-#define OLX_LEAST_SHARE 0.01f    // history is not read when less of the four pixels around a point is valid
+#define OLX_BORROWED_COUNT 0.25f // of frames, for a pixel that has another's sample in place of its own
+#define OLX_OWN_COUNT 0.5f       // less is borrowed, and the first sample of a pixel's own replaces it
+#define OLX_LEAST_SHARE 0.01f          // history is not read when less of the four pixels around a point is valid
 
 // lights: a light without area as a field stores it.
 #define OLX_FIELD_LIGHT_WORDS 16u // of olx_field_light

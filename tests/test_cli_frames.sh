@@ -22,6 +22,11 @@ cmp adaptive.exr f1.exr || fail "adaptive filters are not the default"
 cmp -s adaptive.exr published.exr && fail "published filters do what adaptive ones do"
 cmp -s none.exr published.exr && fail "published filters do nothing"
 
+expect_json 'o["passes"]["indirect_glossy"] > 0' render $scene -o turns.exr "${field[@]}" --mode denoised --frames 64 --ray-spacing 2
+expect_json 'o["layers"]["indirect_diffuse"]["relative_mse"] < 0.05' compare turns.exr gather.exr
+expect 0 render $scene -o turn.exr "${field[@]}" --mode denoised --frames 4 --ray-spacing 1
+cmp turn.exr f1.exr || fail "--ray-spacing 1 is not the default"
+
 expect 0 render $scene -o glide.exr "${field[@]}" --mode denoised --frames 6 --camera dark --from-camera lit
 expect 0 render $scene -o cut.exr "${field[@]}" --mode denoised --frames 6 --camera dark --from-camera lit --cut 2
 expect 0 render $scene -o stay.exr "${field[@]}" --mode denoised --frames 6 --camera dark
@@ -39,6 +44,8 @@ expect_usage "is not one of gather|denoised|prefiltered" render $scene -o a.exr 
 expect_usage "\-\-frames goes with" render $scene -o a.exr "${field[@]}" --mode gather --frames 3
 expect_usage "\-\-frames goes with" render $scene -o a.exr --method path --frames 3
 expect_usage "\-\-gather-samples goes with" render $scene -o a.exr "${field[@]}" --gather-samples 3
+expect_usage "\-\-ray-spacing goes with" render $scene -o a.exr "${field[@]}" --ray-spacing 2
+expect_usage "\-\-ray-spacing" render $scene -o a.exr "${field[@]}" --frames 3 --ray-spacing 3
 expect_usage "\-\-from-camera goes with" render $scene -o a.exr "${field[@]}" --from-camera lit
 expect_usage "\-\-cut goes with" render $scene -o a.exr "${field[@]}" --mode denoised --frames 3 --cut 1
 expect_usage "less than --frames" render $scene -o a.exr "${field[@]}" --frames 3 --from-camera lit --cut 3

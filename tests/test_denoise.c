@@ -34,6 +34,7 @@ static view *make_wall(float eye_x, float depth) {
 }
 
 typedef struct light_buffers {
+  uint32_t ray_spacing;
   olx_incident sample[PIXELS];
   olx_history history[2];
   uint32_t frame;
@@ -43,6 +44,7 @@ typedef struct light_buffers {
 static light_buffers *make_light(void) {
   light_buffers *light = calloc(1, sizeof *light);
   assert_non_null(light);
+  light->ray_spacing = 1;
   for (int i = 0; i < 2; i++) ASSERT_OK(olx_history_create(SIZE, SIZE, &light->history[i]));
   return light;
 }
@@ -58,8 +60,9 @@ static void fill(light_buffers *light, float value) {
 
 static const olx_history *accumulate(light_buffers *light, const olx_lobe_filter *filter, const view *before,
                                      const view *now) {
+  const olx_ray_turn turn = olx_ray_turn_of(light->ray_spacing, light->frame);
   const uint32_t to = light->frame++ & 1;
-  ASSERT_OK(olx_denoise_accumulate(filter, &now->guide, light->sample, &before->guide, &light->history[to ^ 1],
+  ASSERT_OK(olx_denoise_accumulate(filter, &turn, &now->guide, light->sample, &before->guide, &light->history[to ^ 1],
                                    &light->history[to], 2));
   return &light->history[to];
 }
@@ -460,6 +463,95 @@ static void test_no_filter_shows_the_last_frame(void **state) {
   free(v);
 }
 
+// ---- One pixel of each 2 x 2 traces
+
+static void test_every_pixel_of_a_square_has_its_turn_in_four_frames(void **state) {
+  (void)state;
+  for (uint32_t round = 0; round < 3; round++) {
+    uint32_t turns[4] = {0};
+    for (uint32_t i = 0; i < 4; i++) {
+      const olx_ray_turn turn = olx_ray_turn_of(2, 4 * round + i);
+      assert_int_equal(olx_ray_turn_number(2, 4 * round + i), round);
+      for (uint32_t p = 0; p < 4; p++) turns[p] += olx_ray_turn_is(&turn, 6 + (p & 1), 8 + (p >> 1));
+    }
+    for (uint32_t p = 0; p < 4; p++) assert_int_equal(turns[p], 1);
+  }
+  const olx_ray_turn all = olx_ray_turn_of(1, 3);
+  assert_true(olx_ray_turn_is(&all, 7, 4) && olx_ray_turn_number(1, 3) == 3);
+}
+
+// Gives every pixel that traces a sample of its own, and all others a wrong one, which nobody may read.
+static void fill_turns(light_buffers *light) {
+  const olx_ray_turn turn = olx_ray_turn_of(2, light->frame);
+  for (uint32_t i = 0; i < PIXELS; i++) {
+    const bool traces = olx_ray_turn_is(&turn, i % SIZE, i / SIZE);
+    light->sample[i] = (olx_incident){olx_splat(traces ? (float)i : NAN), traces ? 1.0f : -1.0f};
+  }
+}
+
+static void test_pixels_borrow_from_their_square_until_their_turn(void **state) {
+  (void)state;
+  const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
+  view *v = make_wall(0, 2);
+  light_buffers *light = make_light();
+  light->ray_spacing = 2;
+  const uint32_t lenders[4] = {at(0, 0), at(1, 1), at(1, 0), at(0, 1)};
+  for (uint32_t f = 0; f < 4; f++) {
+    fill_turns(light);
+    const olx_history *h = accumulate(light, &filter, v, v);
+    for (uint32_t k = 0; k < 4; k++) {
+      const uint32_t pixel = at(10, 20) + lenders[k];
+      // What a pixel borrows in the first frame stays until its own ray replaces it.
+      const uint32_t wanted = k <= f ? pixel : at(10, 20);
+      assert_true(h->incident[pixel].light.x == (float)wanted &&
+                  h->count[pixel] == (k <= f ? 1.0f : OLX_BORROWED_COUNT));
+    }
+  }
+  free_light(light);
+  free(v);
+}
+
+static void test_pixels_borrow_nothing_from_another_surface(void **state) {
+  (void)state;
+  const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
+  view *v = make_wall(0, 2);
+  v->depth[at(4, 4)] = 1.0f;             // the lender is nearer,
+  v->normal[at(8, 4)] = olx_v3(1, 0, 0); // faces another way,
+  v->roughness[at(12, 4)] = 0.7f;        // is rougher,
+  v->depth[at(16, 4)] = INFINITY;        // shows the sky,
+  light_buffers *light = make_light();
+  light->ray_spacing = 2;
+  fill_turns(light);
+  light->sample[at(20, 4)].inverse_distance = -1.0f; // or has no such lobe
+  const olx_history *h = accumulate(light, &filter, v, v);
+  for (uint32_t x = 4; x <= 20; x += 4) {
+    assert_true(h->count[at(x + 1, 4)] == 0.0f && h->count[at(x, 5)] == 0.0f && h->count[at(x + 1, 5)] == 0.0f);
+  }
+  assert_true(h->count[at(25, 5)] == OLX_BORROWED_COUNT);
+  free_light(light);
+  free(v);
+}
+
+static void check_constant_with_turns(const olx_lobe_filter *filter, olx_lobe lobe) {
+  view *a = make_wall(0, 2), *b = make_wall(0.0137f, 2);
+  light_buffers *light = make_light();
+  light->ray_spacing = 2;
+  fill(light, 0.7f);
+  for (int i = 0; i < 9; i++) {
+    accumulate(light, filter, i & 1 ? b : a, i & 1 ? a : b);
+    filter_light(light, filter, lobe, i & 1 ? a : b);
+    for (uint32_t p = 0; p < PIXELS; p++) ASSERT_NEAR(light->filtered[p].y, 0.7f, 2e-6f);
+  }
+  free_light(light);
+  free(a);
+  free(b);
+}
+
+static void test_constant_light_stays_constant_when_pixels_take_turns(void **state) {
+  (void)state;
+  each_filter(check_constant_with_turns);
+}
+
 static void test_any_number_of_threads_gives_the_same_bytes(void **state) {
   (void)state;
   const olx_denoise_settings settings = olx_denoise_settings_default();
@@ -474,7 +566,8 @@ static void test_any_number_of_threads_gives_the_same_bytes(void **state) {
           light->sample[i] = (olx_incident){olx_splat(olx_unit_float(olx_hash2(i, f))), olx_unit_float(olx_hash(i))};
         }
         const view *before = f & 1 ? a : b, *now = f & 1 ? b : a;
-        ASSERT_OK(olx_denoise_accumulate(filter, &now->guide, light->sample, &before->guide,
+        const olx_ray_turn turn = olx_ray_turn_of(1, f);
+        ASSERT_OK(olx_denoise_accumulate(filter, &turn, &now->guide, light->sample, &before->guide,
                                          &light->history[(f & 1) ^ 1], &light->history[f & 1], threads));
       }
       ASSERT_OK(olx_denoise_filter(filter, lobe ? OLX_LOBE_GLOSSY : OLX_LOBE_DIFFUSE, &b->guide, &light->history[1],
@@ -517,6 +610,10 @@ int main(void) {
       cmocka_unit_test(test_broken_numbers_never_spread),
       cmocka_unit_test(test_broken_histories_are_not_read),
       cmocka_unit_test(test_pixels_without_the_lobe_lend_and_borrow_nothing),
+      cmocka_unit_test(test_every_pixel_of_a_square_has_its_turn_in_four_frames),
+      cmocka_unit_test(test_pixels_borrow_from_their_square_until_their_turn),
+      cmocka_unit_test(test_pixels_borrow_nothing_from_another_surface),
+      cmocka_unit_test(test_constant_light_stays_constant_when_pixels_take_turns),
       cmocka_unit_test(test_weights_that_are_hardly_there_count_for_nothing),
       cmocka_unit_test(test_glossy_light_stays_on_its_material),
       cmocka_unit_test(test_noise_falls_as_the_weights_say),

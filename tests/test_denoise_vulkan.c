@@ -191,7 +191,8 @@ static olx_vec2 random_of(uint32_t seed, uint32_t branch, uint32_t frame) {
   return olx_stratified2(frame, olx_hash2(seed, OLX_SALT_BRANCH + branch));
 }
 
-static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view *v, uint32_t frame) {
+// Gives every pixel the sample of its ray with that number.
+static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view *v, uint32_t number) {
   for (uint32_t i = 0; i < FULL; i++) {
     c->depth[i] = INFINITY;
     c->samples[0][i] = c->samples[1][i] = (olx_incident){.inverse_distance = -1.0f};
@@ -204,8 +205,8 @@ static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view
     c->normal[at] = p.normal;
     c->roughness[at] = p.roughness;
     const uint32_t seed = olx_hash2(x, y);
-    c->samples[0][at] = sample_diffuse(field, &p, random_of(seed, OLX_DIFFUSE_BRANCH, frame));
-    c->samples[1][at] = sample_glossy(field, &p, random_of(seed, OLX_GLOSSY_BRANCH, frame));
+    c->samples[0][at] = sample_diffuse(field, &p, random_of(seed, OLX_DIFFUSE_BRANCH, number));
+    c->samples[1][at] = sample_glossy(field, &p, random_of(seed, OLX_GLOSSY_BRANCH, number));
   }
   c->guide = (olx_guide){
       .width = FULL_WIDTH, .height = FULL_HEIGHT, .depth = c->depth, .normal = c->normal, .roughness = c->roughness};
@@ -232,14 +233,15 @@ static void free_cpu_denoiser(cpu_denoiser *c) {
 static void run_cpu_frame(cpu_denoiser *c, const olx_field *field, const host_view *v,
                           const olx_denoise_settings *filters, uint32_t frame) {
   const uint32_t now = frame & 1, before = now ^ 1;
-  fill_cpu_frame(&c->frames[now], field, v, frame);
+  const olx_ray_turn turn = olx_ray_turn_of(filters->ray_spacing, frame);
+  fill_cpu_frame(&c->frames[now], field, v, olx_ray_turn_number(filters->ray_spacing, frame));
   if (frame == 0) c->frames[1].guide = c->frames[0].guide;
   for (uint32_t lobe = 0; lobe < 2; lobe++) {
     const olx_lobe_filter *filter = lobe ? &filters->glossy : &filters->diffuse;
     const olx_guide *guide = &c->frames[now].guide;
     olx_history *h = c->history[lobe];
-    assert_int_equal(olx_denoise_accumulate(filter, guide, c->frames[now].samples[lobe], &c->frames[before].guide,
-                                            &h[before], &h[now], 1),
+    assert_int_equal(olx_denoise_accumulate(filter, &turn, guide, c->frames[now].samples[lobe],
+                                            &c->frames[before].guide, &h[before], &h[now], 1),
                      OLX_OK);
     assert_int_equal(olx_denoise_filter(filter, lobe ? OLX_LOBE_GLOSSY : OLX_LOBE_DIFFUSE, guide, &h[now], &h[before],
                                         c->light[lobe], 1),
@@ -298,6 +300,16 @@ static void frames_are_those_of_the_cpu(void **unused) {
   compare_frames(f, &adaptive, (olx_vec2){0, 0}, true, 0.0f);
   compare_frames(f, &published, (olx_vec2){0, 0}, true, 0.0f);
   compare_frames(f, &adaptive, (olx_vec2){3, -2}, true, 0.0f); // a shifted picture, as of a jittered projection
+  assert_silent(f);
+}
+
+static void frames_in_which_pixels_take_turns_are_those_of_the_cpu(void **unused) {
+  (void)unused;
+  host_fixture *f = resize_running(WIDTH, HEIGHT, BOTH);
+  olx_denoise_settings filters = olx_denoise_settings_default();
+  filters.ray_spacing = 2;
+  compare_frames(f, &filters, (olx_vec2){0, 0}, false, 0.0f);
+  compare_frames(f, &filters, (olx_vec2){0, 0}, true, 0.0f);
   assert_silent(f);
 }
 
@@ -374,9 +386,10 @@ static void memory_is_told_before(void **unused) {
 
 static void any_size_begins_anew(void **unused) {
   (void)unused;
-  const olx_denoise_settings filters = olx_denoise_settings_published();
-  const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {130, 101}, {1, 1}};
+  olx_denoise_settings filters = olx_denoise_settings_published();
+  const uint32_t sizes[][2] = {{1, 1}, {1, 70}, {640, 2}, {130, 101}, {1, 1}, {51, 35}};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+    filters.ray_spacing = 1 + (i & 1);
     host_fixture *f = resize_running(sizes[i][0], sizes[i][1], BOTH);
     olx_vulkan_settings settings = settings_of(&filters, BOTH);
     settings.sample.select = OLX_SELECT_CAGE;
@@ -409,15 +422,17 @@ static void wrong_settings_are_refused(void **unused) {
                {sane, good, "was not made to denoise lobe 0x1"},
                {sane, good, "glossy filter has a setting out of range"},
                {sane, good, "0 diffuse rays"},
+               {sane, good, "rays are 1 or 2 pixels apart, not 3"},
                {sane, good, "the view's clip_to_world is not that of a perspective"},
                {sane, good, "the previous view's clip_to_world"}};
   cases[0].settings.denoise.lobes = 0;
   cases[1].settings.denoise.lobes = BOTH;
   cases[2].settings.denoise.filters.glossy.stride_pixels = 0;
   cases[3].settings.diffuse_samples = 0;
+  cases[4].settings.denoise.filters.ray_spacing = 3;
   const float parallel[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1};
-  memcpy(cases[4].view.clip_to_world, parallel, sizeof parallel);
-  cases[5].settings.denoise.frame = 1; // a later frame without a previous view
+  memcpy(cases[5].view.clip_to_world, parallel, sizeof parallel);
+  cases[6].settings.denoise.frame = 1; // a later frame without a previous view
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     assert_int_equal(olx_vulkan_record_denoise(f.frame, device.commands, &cases[i].view, &cases[i].settings),
                      OLX_ERROR_ARGUMENT);
@@ -502,6 +517,7 @@ static void a_frame_that_cannot_grow_stays_as_it_is(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_are_those_of_the_cpu),
+      cmocka_unit_test(frames_in_which_pixels_take_turns_are_those_of_the_cpu),
       cmocka_unit_test(no_light_comes_from_behind_the_surface),
       cmocka_unit_test(any_number_of_frames_may_be_recorded_ahead),
       cmocka_unit_test(glossy_light_alone_needs_no_other_history),

@@ -328,6 +328,33 @@ static void test_refuses_other_records_than_one_of_bytes(void **state) {
   olx_release(i.bytes);
 }
 
+// --- Chunks with two forms, of which a file has the one that its description names
+
+static void test_refuses_the_other_form_of_a_chunk_even_where_it_is_optional(void **state) {
+  const field_image i = field_image_load(*state, &relit);
+  assert_field_sound(&i);
+  olx_file_chunk *optional = field_chunk_of_type(&i, OLX_FOUR_CC('R', 'L', 'I', 'T'));
+  static const char *const forms[][2] = {{"DIST", "GEOM"}, {"BASE", "TBAS"}, {"SPEC", "TREF"},
+                                         {"DIRE", "TDIR"}, {"INDI", "TIND"}, {"IRRA", "IRSH"}};
+  for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
+    uint32_t types[2];
+    const olx_file_chunk *found[2] = {0};
+    for (int form = 0; form < 2; form++) {
+      const char *name = forms[k][form];
+      types[form] = OLX_FOUR_CC(name[0], name[1], name[2], name[3]);
+      for (uint32_t c = 0; c < i.header->chunk_count; c++) {
+        if (i.chunks[c].type == types[form]) found[form] = &i.chunks[c];
+      }
+    }
+    assert_true(!found[0] != !found[1]);
+    const int used = found[1] != NULL;
+    char message[64];
+    snprintf(message, sizeof message, "a chunk %s, but the description has %s", forms[k][!used], forms[k][used]);
+    REFUSED(optional->type, types[!used], message);
+  }
+  olx_release(i.bytes);
+}
+
 // --- Probe light: chunks that a description with irradiance probes requires
 
 static void test_probe_light_comes_whole_or_not_at_all(void **state) {
@@ -414,6 +441,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_refuses_relighting_of_another_field, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_relighting_is_optional, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_refuses_other_records_than_one_of_bytes, field_set_up, field_tear_down),
+      cmocka_unit_test_setup_teardown(test_refuses_the_other_form_of_a_chunk_even_where_it_is_optional, field_set_up,
+                                      field_tear_down),
       cmocka_unit_test_setup_teardown(test_probe_light_comes_whole_or_not_at_all, field_set_up, field_tear_down),
       cmocka_unit_test_setup_teardown(test_the_origin_is_read_and_checked, field_set_up, field_tear_down),
   };

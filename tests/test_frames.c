@@ -107,6 +107,23 @@ static void test_a_history_of_frames_is_the_mean_of_their_rays(void **state) {
   olx_image_free(&still);
 }
 
+// While the camera rests, pixels trace the same rays in turn as all at once, in four times as many frames.
+static void test_pixels_that_take_turns_trace_the_rays_of_all(void **state) {
+  const fixture *f = *state;
+  olx_render_settings settings = frame_settings(true);
+  settings.denoise.diffuse.radius_pixels = settings.denoise.glossy.radius_pixels = 0;
+  olx_render_stats all, turns;
+  olx_image at_once = render_frames(f, &settings, 5, &all);
+  settings.denoise.ray_spacing = 2;
+  olx_image in_turn = render_frames(f, &settings, 20, &turns);
+  assert_true(all.field_rays > 0);
+  assert_int_equal(turns.field_rays, all.field_rays);
+  assert_same_layer(&in_turn, &at_once, OLX_LAYER_INDIRECT_DIFFUSE);
+  assert_same_layer(&in_turn, &at_once, OLX_LAYER_INDIRECT_GLOSSY);
+  olx_image_free(&at_once);
+  olx_image_free(&in_turn);
+}
+
 // Returns the mean squared difference of two layers relative to the second's mean square.
 static double relative_error(const olx_image *a, const olx_image *b, olx_layer layer) {
   olx_metrics metrics;
@@ -357,6 +374,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_one_unfiltered_frame_is_one_camera_sample, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_history_of_frames_is_the_mean_of_their_rays, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_pixels_that_take_turns_trace_the_rays_of_all, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_denoising_brings_a_frame_near_the_truth, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_after_a_cut_nothing_is_remembered, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_moving_camera_keeps_its_history, set_up, tear_down),

@@ -24,6 +24,7 @@ static view_state default_state(void) {
                       .diffuse = true,
                       .glossy = true,
                       .denoise = 2,
+                      .ray_spacing = 1,
                       .gather_samples = 4,
                       .scale = 1.0f,
                       .probe = VIEW_ANSWERING,
@@ -100,6 +101,8 @@ static const option view_quality_options[] = {
      "irradiance and glossy rays; one ray a lobe, denoised; rays as they are; eye rays through the field alone"},
     {"--denoise", OPTION_CHOICE, offsetof(view_options, state.denoise), VIEW_DENOISE_WORDS,
      "how frames are filtered; default adaptive"},
+    {"--ray-spacing", OPTION_COUNT, offsetof(view_options, state.ray_spacing), "1|2",
+     "2 traces one pixel of each 2x2 a frame, in turn: a quarter of the rays; default 1", 1, 2},
     {"--gather-samples", OPTION_COUNT, offsetof(view_options, state.gather_samples), "N",
      "gather: rays a lobe, pixel and frame; frames add up; default 4", 1, 4096},
     {0}};

@@ -166,7 +166,7 @@ static bool record_relight(view_renderer *r, olx_vec3 eye, VkCommandBuffer comma
 static bool history_holds(const view_state *a, const view_state *b) {
   return a->mode == b->mode && denoised_lobes(a) == denoised_lobes(b) && a->select == b->select && a->hits == b->hits &&
          a->visibility == b->visibility && a->keep_buried == b->keep_buried && a->emitters == b->emitters &&
-         a->dim_lobe == b->dim_lobe && a->denoise == b->denoise;
+         a->dim_lobe == b->dim_lobe && a->denoise == b->denoise && a->ray_spacing == b->ray_spacing;
 }
 
 // Returns whether anything has moved; gathered frames accumulate until then.
@@ -187,6 +187,7 @@ static void shorten_memory(olx_lobe_filter *filter) {
 static olx_denoise_settings filters_of(const view_state *s, bool light_moves) {
   if (s->mode != VIEW_GATHER) {
     olx_denoise_settings f = s->denoise == 1 ? olx_denoise_settings_published() : olx_denoise_settings_default();
+    f.ray_spacing = s->ray_spacing;
     if (light_moves) shorten_memory(&f.diffuse);
     if (light_moves) shorten_memory(&f.glossy);
     return f;

@@ -85,6 +85,7 @@ typedef struct view_state {
   bool emitters;                // rays find lights with an extent; impossible with irradiance probes
   bool direct, diffuse, glossy; // layers that are added up
   uint32_t denoise;             // index into VIEW_DENOISE_WORDS
+  uint32_t ray_spacing;         // pixels between the rays of a frame that is denoised, 1 or 2
   uint32_t gather_samples;      // rays per lobe, pixel and frame
   float dim_lobe;
   float exposure;

@@ -17,7 +17,7 @@ enum { MAX_ROWS = 16, PATH_BYTES = 4096 };
 
 typedef struct arguments {
   const char *data, *scene, *field, *rows, *camera;
-  uint32_t size[2], frames, device, tracer, select, hits;
+  uint32_t size[2], frames, device, tracer, select, hits, ray_spacing;
   float bandwidth;
   bool json, quick, compare, list, validate, compile;
 } arguments;
@@ -84,6 +84,7 @@ static bench_settings settings_of(const arguments *a) {
                              .quick = a->quick,
                              .compare = a->compare,
                              .camera = a->camera,
+                             .ray_spacing = a->ray_spacing,
                              .sample = olx_sample_settings_default()};
   static const olx_select selectors[] = {OLX_SELECT_BEST, OLX_SELECT_CAGE, OLX_SELECT_BRICKS, OLX_SELECT_EXHAUSTIVE};
   settings.sample.tracer = (olx_tracer)a->tracer;
@@ -160,6 +161,8 @@ static const option options[] = {
     {"--select", OPTION_CHOICE, offsetof(arguments, select), "best|cage|bricks|exhaustive", "default best"},
     {"--hits", OPTION_CHOICE, offsetof(arguments, hits), "shaded|stored",
      "light where rays end: of the surface there, or as a probe saw it; default shaded"},
+    {"--ray-spacing", OPTION_COUNT, offsetof(arguments, ray_spacing), "1|2",
+     "2 traces one pixel of each 2x2 a frame, in turn; default 1", 1, 2},
     {"--compare", OPTION_FLAG, offsetof(arguments, compare), NULL,
      "glossy light alone: two-level + cage against hi-Z + bricks, frames in turns"},
     {"--compile", OPTION_FLAG, offsetof(arguments, compile), NULL,
@@ -175,7 +178,7 @@ static const option options[] = {
     {0}};
 
 int main(int argc, char **argv) {
-  arguments a = {.size = {1920, 1080}, .frames = 100, .device = UINT32_MAX, .tracer = OLX_TRACER_HIZ};
+  arguments a = {.size = {1920, 1080}, .frames = 100, .device = UINT32_MAX, .tracer = OLX_TRACER_HIZ, .ray_spacing = 1};
   command_line line = {
       .name = NAME,
       .summary = "Milliseconds of each pass on a Vulkan device, beside those of McGuire et al. 2017, Table 1.",

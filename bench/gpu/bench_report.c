@@ -234,6 +234,7 @@ void bench_report_json(const bench_report *r) {
   json_whole(&j, "width", r->settings->width);
   json_whole(&j, "height", r->settings->height);
   json_whole(&j, "frames", r->settings->frames);
+  json_whole(&j, "ray_spacing", r->settings->ray_spacing);
   json_number(&j, "copy_gigabytes_a_second", r->copy_gigabytes);
   json_number(&j, "floor_gigabytes_a_second", r->settings->gigabytes);
   json_text(&j, "paper", PAPER);

@@ -154,6 +154,7 @@ static bool prepare(bench_job *job) {
   job->result->shadow_maps = job->raster.shadows.view_count;
   job->lit = olx_vulkan_settings_default();
   job->lit.sample = s->sample;
+  job->lit.denoise.filters.ray_spacing = s->ray_spacing;
   return true;
 }
 

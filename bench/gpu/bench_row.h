@@ -7,10 +7,11 @@
 typedef struct bench_settings {
   uint32_t width, height;
   uint32_t frames;
-  bool quick;         // coarse shadows and a short warm-up
-  bool compare;       // only compare glossy light by two-level + cage with hi-Z + bricks, in turns
-  const char *camera; // name of the camera; NULL: the scene's first
-  double gigabytes;   // bandwidth in gigabytes per second, for lower bounds
+  bool quick;           // coarse shadows and a short warm-up
+  bool compare;         // only compare glossy light by two-level + cage with hi-Z + bricks, in turns
+  const char *camera;   // name of the camera; NULL: the scene's first
+  double gigabytes;     // bandwidth in gigabytes per second, for lower bounds
+  uint32_t ray_spacing; // pixels between the rays of a frame, 1 or 2
   olx_sample_settings sample;
 } bench_settings;
 

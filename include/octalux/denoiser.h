@@ -22,6 +22,9 @@ typedef struct olx_lobe_filter {
 
 typedef struct olx_denoise_settings {
   olx_lobe_filter diffuse, glossy;
+  // Distance between the rays of a frame along rows and columns, 1 or 2 pixels; default 1. With 2, each square of 2 x 2
+  // pixels traces one ray a lobe and frame, its pixels in turn: a quarter of the rays.
+  uint32_t ray_spacing;
 } olx_denoise_settings;
 
 olx_denoise_settings olx_denoise_settings_default(void);

@@ -152,7 +152,7 @@ class LobeFilter(Struct):
 
 
 class DenoiseSettings(Struct):
-    _fields_ = [("diffuse", LobeFilter), ("glossy", LobeFilter)]
+    _fields_ = [("diffuse", LobeFilter), ("glossy", LobeFilter), ("ray_spacing", c_uint32)]
 
 
 class Camera(Struct):

@@ -104,10 +104,11 @@ float olx_bilinear_weight(vec2 at, uint corner) {
   return ((corner & 1u) != 0u ? right : 1.0 - right) * ((corner >> 1) != 0u ? bottom : 1.0 - bottom);
 }
 
-// Mixes a frame's sample into the accumulated light. History has the weight 1 - 1/n, and n stops growing where that
-// reaches `largest`.
+// Mixes a frame's sample into the accumulated light, which it replaces where that is borrowed. History has the weight
+// 1 - 1/n, and n stops growing where that reaches `largest`.
 olx_known olx_mix_sample(olx_known past, olx_incident incident, float largest) {
   if (!olx_is_sample(incident)) return past;
+  if (past.count < OLX_OWN_COUNT) past = olx_nothing_known();
   float n = min(past.count + 1.0, 1.0 / (1.0 - largest)), share = 1.0 / n;
   olx_known result = olx_known(incident, n);
   if (share >= 1.0) return result;

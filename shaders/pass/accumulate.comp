@@ -79,28 +79,56 @@ float read_depth(ivec2 pixel) {
   return depth == job.empty_depth ? OLX_INFINITY : job.now.up.w / (depth - job.before.up.w);
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(uvec2(pixel), size_of(job.size)))) return;
+// Reads what a pixel shows; false where it shows nothing.
+bool read_guide(ivec2 pixel, out uvec4 guide) {
   float depth = read_depth(pixel);
+  guide = uvec4(floatBitsToUint(OLX_INFINITY), 0u, 0u, 0u);
+  if (!olx_finite(vec3(depth))) return false;
+  vec3 normal = texelFetch(normal_image, pixel, 0).xyz;
+  normal = olx_normalize(has_flag(OLX_DENOISE_NORMAL_UNORM) ? normal * 2.0 - 1.0 : normal);
+  guide = pack_guide(depth, normal, vec2(0.0), texelFetch(roughness_image, pixel, 0).r);
+  return true;
+}
+
+// Returns whether a pixel may borrow the sample of another one, because that shows the same surface.
+bool may_borrow(ivec2 lender, olx_shown now, olx_camera_frame camera) {
+  uvec4 guide;
+  if (any(greaterThanEqual(uvec2(lender), size_of(job.size))) || !read_guide(lender, guide)) return false;
+  olx_shown there = guide_shows(guide, camera, frame_size(), vec2(lender) + shift_of(job.now));
+  return olx_same_surface(now, there) && abs(there.roughness - now.roughness) < OLX_ROUGHNESS_RANGE;
+}
+
+// Mixes the sample of a frame in which the pixel traced into what is known; in other frames, a pixel of which nothing
+// is known borrows the sample.
+olx_known take_sample(olx_known past, bool traced, bool borrows, olx_incident incident, float largest) {
+  if (traced) return olx_mix_sample(past, incident, largest);
+  if (past.count > 0.0 || !borrows || !olx_is_sample(incident)) return past;
+  return olx_known(incident, OLX_BORROWED_COUNT);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), tracer = traced_pixel(job.flags, pixel);
+  bool inside = all(lessThan(uvec2(pixel), size_of(job.size))), traced = tracer == pixel, borrows = false;
   memory now = memory(olx_nothing_known(), olx_nothing_known(), false);
-  uvec4 guide = uvec4(floatBitsToUint(OLX_INFINITY), 0u, 0u, 0u);
-  if (olx_finite(vec3(depth))) {
-    vec3 normal = texelFetch(normal_image, pixel, 0).xyz;
-    normal = olx_normalize(has_flag(OLX_DENOISE_NORMAL_UNORM) ? normal * 2.0 - 1.0 : normal);
-    float roughness = texelFetch(roughness_image, pixel, 0).r;
-    guide = pack_guide(depth, normal, vec2(0.0), roughness);
+  uvec4 guide;
+  bool seen = inside && read_guide(pixel, guide);
+  if (seen) {
     olx_camera_frame camera = camera_of(job.now, has_flag(OLX_DENOISE_MIRRORED));
     olx_shown shown = guide_shows(guide, camera, frame_size(), vec2(pixel) + shift_of(job.now));
     now = remember(pixel, shown);
-    if (has_flag(OLX_DENOISE_DIFFUSE)) {
-      float largest = now.still ? job.diffuse_still_history : job.diffuse_history;
-      now.diffuse = olx_mix_sample(now.diffuse, incident_of(imageLoad(diffuse_now, pixel)), largest);
-    }
-    if (has_flag(OLX_DENOISE_GLOSSY)) {
-      float largest = now.still ? job.glossy_still_history : job.glossy_history;
-      now.glossy = olx_mix_sample(now.glossy, incident_of(imageLoad(glossy_now, pixel)), largest);
-    }
+    borrows = !traced && may_borrow(tracer, shown, camera);
+  }
+  // All pixels of a workgroup, which has whole squares, read samples before any of them writes its mean in their place.
+  ivec2 sampled = min(tracer, ivec2(size_of(job.size)) - 1);
+  vec4 diffuse_sample = has_flag(OLX_DENOISE_DIFFUSE) ? imageLoad(diffuse_now, sampled) : vec4(vec3(0.0), -1.0);
+  vec4 glossy_sample = has_flag(OLX_DENOISE_GLOSSY) ? imageLoad(glossy_now, sampled) : vec4(vec3(0.0), -1.0);
+  barrier();
+  if (!inside) return;
+  if (seen) {
+    float largest = now.still ? job.diffuse_still_history : job.diffuse_history;
+    now.diffuse = take_sample(now.diffuse, traced, borrows, incident_of(diffuse_sample), largest);
+    largest = now.still ? job.glossy_still_history : job.glossy_history;
+    now.glossy = take_sample(now.glossy, traced, borrows, incident_of(glossy_sample), largest);
     guide.z = packHalf2x16(vec2(now.diffuse.count, now.glossy.count));
   }
   imageStore(guide_now, pixel, guide);

@@ -24,7 +24,7 @@ void gather(ivec2 pixel, frame_surface surface) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = traced_pixel();
   if (outside_frame(pixel)) return;
   frame_surface surface;
   bool seen = read_surface(pixel, surface);

@@ -48,15 +48,21 @@ vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown mid
   return weight_sum > OLX_LEAST_WEIGHT ? vec4(sum / weight_sum, weight_sum) : vec4(0.0);
 }
 
-// Converts incident light to reflected light and writes it; pixels without a specular lobe and those lit by dim.comp
-// stay unchanged.
+// Converts incident light to reflected light and writes it; pixels without a specular lobe reflect none, and those lit
+// by dim.comp stay unchanged.
 void write_glossy(ivec2 pixel, olx_shown middle, vec3 light) {
   vec3 material = texelFetch(roughness_image, pixel, 0).rgb; // roughness, metallic, specular weight
   olx_bsdf bsdf = olx_bsdf_make(texelFetch(albedo_image, pixel, 0).rgb, material.y, material.x, material.z);
   float cosine = olx_dot(olx_normalize(job.camera.eye.xyz - middle.position), middle.normal);
-  if (!olx_bsdf_has_specular(bsdf) || olx_lobe_is_dim(bsdf, cosine, job.dim_lobe)) return;
+  if (!olx_bsdf_has_specular(bsdf)) {
+    imageStore(out_target, pixel, vec4(0.0, 0.0, 0.0, 1.0));
+    return;
+  }
+  if (olx_lobe_is_dim(bsdf, cosine, job.dim_lobe)) return;
   vec3 reflected = light * max(olx_fresnel(bsdf, cosine), vec3(OLX_LEAST_FRESNEL));
-  imageStore(out_target, pixel, vec4(min(reflected, vec3(OLX_HALF_MOST)), imageLoad(out_target, pixel).a));
+  // No pixel changes the alpha that it reads here, so that all may read and write at once.
+  ivec2 traced = min(traced_pixel(job.flags, pixel), ivec2(size_of(job.size)) - 1);
+  imageStore(out_target, pixel, vec4(min(reflected, vec3(OLX_HALF_MOST)), imageLoad(out_target, traced).a));
 }
 
 void main() {
@@ -67,7 +73,7 @@ void main() {
   olx_shown middle = guide_shows(guide, camera, vec2(size_of(job.size)), vec2(pixel) + shift_of(job.camera));
   vec4 mean = guide_is_empty(guide) ? vec4(0.0) : mean_along(pixel, guide, camera, middle);
   if (!columns()) imageStore(out_rows, pixel, min(mean, vec4(OLX_HALF_MOST)));
-  else if (guide_is_empty(guide)) return;
+  else if (guide_is_empty(guide)) imageStore(out_target, pixel, vec4(vec3(0.0), glossy() ? 1.0 : 0.0));
   else if (glossy()) write_glossy(pixel, middle, mean.rgb);
   else imageStore(out_target, pixel, vec4(mean.rgb, 1.0));
 }

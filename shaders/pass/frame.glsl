@@ -34,6 +34,12 @@ olx_sample_settings frame_settings() {
                              frame.surface_tolerance);
 }
 
+// Returns the pixel for which an invocation traces rays; where one pixel of each 2 x 2 does, the one in turn.
+ivec2 traced_pixel() {
+  ivec2 id = ivec2(gl_GlobalInvocationID.xy);
+  return has_flag(OLX_FRAME_SPARSE) ? 2 * id + ivec2(has_flag(OLX_FRAME_TURN_X), has_flag(OLX_FRAME_TURN_Y)) : id;
+}
+
 bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y >= int(frame.height); }
 
 vec3 position_at(ivec2 pixel, float depth) {

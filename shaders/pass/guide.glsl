@@ -33,6 +33,12 @@ olx_shown guide_shows(uvec4 guide, olx_camera_frame camera, vec2 size, vec2 pixe
                    depth, unpackHalf2x16(guide.w).x, olx_pixel_angle(camera, size));
 }
 
+// Returns the pixel that traced rays in this frame for the square of 2 x 2 around a pixel: itself where all trace.
+ivec2 traced_pixel(uint flags, ivec2 pixel) {
+  if ((flags & OLX_DENOISE_SPARSE) == 0u) return pixel;
+  return pixel & ~1 | ivec2((flags & OLX_DENOISE_TURN_X) != 0u, (flags & OLX_DENOISE_TURN_Y) != 0u);
+}
+
 olx_incident incident_of(vec4 texel) { return olx_incident(texel.rgb, texel.a); }
 vec4 storable(olx_incident incident) {
   return vec4(clamp(incident.light, vec3(0.0), vec3(OLX_HALF_MOST)), incident.inverse_distance);

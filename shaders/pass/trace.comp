@@ -58,7 +58,7 @@ void write_gathered(ivec2 pixel, frame_surface surface, gathered sum, uint count
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = traced_pixel();
   if (outside_frame(pixel)) return;
   gathered sum = gathered(vec3(0.0), 0.0, 0u);
   vec3 none = vec3(0.0);

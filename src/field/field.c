@@ -32,6 +32,18 @@ static olx_result refuse_undescribed(const olx_chunk_file *file, const olx_chunk
   return kind->is_other ? refuse_type(file, kind->need, kind->other.type) : OLX_OK;
 }
 
+// Refuses a chunk in the form that this field does not use.
+static olx_result refuse_other_form(const olx_chunk_file *file, const olx_chunk_traits *kind,
+                                    const olx_chunk_form *used) {
+  if (!kind->is_other) return OLX_OK;
+  const uint32_t other = used == &kind->form ? kind->other.type : kind->form.type;
+  const olx_file_chunk *chunk;
+  OLX_TRY(olx_chunk_find_any(file, other, &chunk));
+  if (!chunk) return OLX_OK;
+  return olx_fail(OLX_ERROR_FORMAT, "%s: a chunk %s, but the description has %s", file->name,
+                  olx_chunk_type_name(other).text, olx_chunk_type_name(used->type).text);
+}
+
 // Finds a chunk whose size follows from the description, and sets the field's pointer to it.
 static olx_result find_described(olx_field *field, const olx_chunk_file *file, const olx_chunk_form *form,
                                  const olx_chunk_shape *shape) {
@@ -42,15 +54,21 @@ static olx_result find_described(olx_field *field, const olx_chunk_file *file, c
   return OLX_OK;
 }
 
+static olx_result find_kind(olx_field *field, const olx_chunk_file *file, olx_chunk_kind k,
+                            const olx_chunk_shape *shape) {
+  const olx_chunk_traits *kind = &olx_chunk_kinds[k];
+  if (!kind->need->holds(&field->info)) return refuse_undescribed(file, kind);
+  const olx_chunk_form *form = olx_chunk_form_of(&field->info, k);
+  OLX_TRY(find_described(field, file, form, shape));
+  return refuse_other_form(file, kind, form);
+}
+
 static olx_result find_chunks(olx_field *field, const olx_chunk_file *file) {
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
   olx_chunk_shapes(&field->info, shapes);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    const olx_chunk_traits *kind = &olx_chunk_kinds[k];
-    if (!kind->need || !kind->records_of) continue;
-    OLX_TRY(kind->need->holds(&field->info)
-                ? find_described(field, file, olx_chunk_form_of(&field->info, k), &shapes[k])
-                : refuse_undescribed(file, kind));
+    if (!olx_chunk_kinds[k].need || !olx_chunk_kinds[k].records_of) continue;
+    OLX_TRY(find_kind(field, file, k, &shapes[k]));
   }
   return refuse_unknown(file, &field->info, shapes);
 }

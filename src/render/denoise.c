@@ -93,7 +93,7 @@ static bool is_sample(olx_incident incident) {
 
 // ---- History
 
-// Returns whether a pixel of the previous frame showed the surface that `now` shows.
+// Returns whether another pixel, of this frame or of the previous one, shows the surface that `now` shows.
 static bool same_surface(const shown *now, const shown *before) {
   if (!(olx_dot(before->normal, now->normal) > OLX_SAME_NORMAL)) return false;
   return plane_fit(olx_sub(before->position, now->position), now->normal, now->depth * now->pixel_angle) > 0.0f;
@@ -115,10 +115,11 @@ static float bilinear_weight(olx_vec2 at, uint32_t corner) {
   return (corner & 1 ? right : 1.0f - right) * (corner >> 1 ? bottom : 1.0f - bottom);
 }
 
-// Blends a frame's sample into the history. History has the weight 1 - 1/n, and n stops growing where that reaches
-// `largest`.
+// Blends a frame's sample into the history, which it replaces where that is borrowed. History has the weight 1 - 1/n,
+// and n stops growing where that reaches `largest`.
 static known mix_sample(known past, olx_incident incident, float largest) {
   if (!is_sample(incident)) return past;
+  if (past.count < OLX_OWN_COUNT) past = nothing_known;
   const float n = olx_min(past.count + 1.0f, 1.0f / (1.0f - largest)), share = 1.0f / n;
   known result = {.incident = incident, .count = n};
   if (share >= 1.0f) return result;
@@ -129,6 +130,7 @@ static known mix_sample(known past, olx_incident incident, float largest) {
 
 typedef struct accumulate_job {
   const olx_lobe_filter *filter;
+  const olx_ray_turn *turn;
   const olx_guide *now, *before;
   const olx_incident *sample;
   const olx_history *from, *to;
@@ -160,6 +162,19 @@ static known look_back(const accumulate_job *job, const shown *s, olx_vec2 at) {
   return sum;
 }
 
+// Returns the sample of the pixel that traced for the square around (x, y), if that pixel shows the surface that `s`
+// shows.
+static known borrow(const accumulate_job *job, const shown *s, uint32_t x, uint32_t y) {
+  const olx_ray_turn *turn = job->turn;
+  const uint32_t lender_x = x - x % turn->spacing + turn->x, lender_y = y - y % turn->spacing + turn->y;
+  if (lender_x >= job->now->width || lender_y >= job->now->height) return nothing_known;
+  const size_t lender = lender_x + (size_t)job->now->width * lender_y;
+  if (!isfinite(job->now->depth[lender]) || !is_sample(job->sample[lender])) return nothing_known;
+  const shown there = show(job->now, lender_x, lender_y);
+  if (!same_surface(s, &there) || !(fabsf(there.roughness - s->roughness) < OLX_ROUGHNESS_RANGE)) return nothing_known;
+  return (known){.incident = job->sample[lender], .count = OLX_BORROWED_COUNT};
+}
+
 static known accumulate_pixel(const accumulate_job *job, uint32_t x, uint32_t y) {
   const size_t pixel = x + (size_t)job->now->width * y;
   known past = nothing_known;
@@ -173,6 +188,7 @@ static known accumulate_pixel(const accumulate_job *job, uint32_t x, uint32_t y)
     still = stands_still(at, (olx_vec2){(float)x, (float)y});
     past = look_back(job, &s, (olx_vec2){settle(at.x), settle(at.y)});
   }
+  if (!olx_ray_turn_is(job->turn, x, y)) return past.count > 0.0f ? past : borrow(job, &s, x, y);
   return mix_sample(past, job->sample[pixel], still ? job->filter->still_history : job->filter->history);
 }
 
@@ -186,10 +202,11 @@ static void accumulate_row(void *user, uint32_t y) {
   }
 }
 
-olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_guide *now, const olx_incident *sample,
-                                  const olx_guide *before, const olx_history *from, const olx_history *to,
-                                  uint32_t threads) {
-  accumulate_job job = {.filter = filter, .now = now, .before = before, .sample = sample, .from = from, .to = to};
+olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_ray_turn *turn, const olx_guide *now,
+                                  const olx_incident *sample, const olx_guide *before, const olx_history *from,
+                                  const olx_history *to, uint32_t threads) {
+  accumulate_job job = {
+      .filter = filter, .turn = turn, .now = now, .before = before, .sample = sample, .from = from, .to = to};
   return olx_parallel_for(now->height, threads, accumulate_row, &job, NULL, 0);
 }
 

@@ -16,6 +16,7 @@ typedef struct surface_buffers {
 typedef struct frame_job {
   olx_render_context context;
   uint32_t frame;
+  olx_ray_turn turn;
   bool last;
   // The surfaces of this frame ([frame & 1]) and of the previous one.
   surface_buffers surfaces[2];
@@ -40,13 +41,20 @@ typedef struct shaded_pixel {
   olx_shading shading;
   olx_vec3 view;
   olx_sampler sampler;
+  bool traces; // in this frame
 } shaded_pixel;
+
+// Returns the numbers that a lobe's ray is drawn by.
+static olx_vec2 draw_ray(const frame_job *job, const shaded_pixel *p, uint32_t branch) {
+  const uint32_t number = olx_ray_turn_number(job->turn.spacing, job->frame);
+  return olx_stratified2(number, olx_sampler_split(&p->sampler, branch).seed);
+}
 
 static void sample_diffuse(frame_job *job, const shaded_pixel *p, olx_render_stats *stats) {
   olx_incident *sample = &job->diffuse_sample[p->pixel];
   *sample = (olx_incident){.inverse_distance = -1.0f};
-  if (!p->shading.has_diffuse || job->context.settings->diffuse != OLX_DIFFUSE_TRACED) return;
-  const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_DIFFUSE_BRANCH).seed);
+  if (!p->traces || !p->shading.has_diffuse || job->context.settings->diffuse != OLX_DIFFUSE_TRACED) return;
+  const olx_vec2 random = draw_ray(job, p, OLX_DIFFUSE_BRANCH);
   const olx_ray_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
   *sample = (olx_incident){olx_scale(found.light, OLX_PI), found.nearness};
 }
@@ -55,8 +63,8 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   olx_incident *sample = &job->glossy_sample[p->pixel];
   *sample = (olx_incident){.inverse_distance = -1.0f};
   const olx_vec3 factor = job->glossy_factor[p->pixel];
-  if (!(factor.x > 0.0f)) return;
-  const olx_vec2 random = olx_stratified2(job->frame, olx_sampler_split(&p->sampler, OLX_GLOSSY_BRANCH).seed);
+  if (!p->traces || !(factor.x > 0.0f)) return;
+  const olx_vec2 random = draw_ray(job, p, OLX_GLOSSY_BRANCH);
   const olx_ray_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
   const olx_vec3 light = {found.light.x / factor.x, found.light.y / factor.y, found.light.z / factor.z};
   *sample = (olx_incident){light, found.nearness};
@@ -122,7 +130,8 @@ static void sample_tile(void *user, uint32_t index) {
   stats.primary_seconds = olx_thread_seconds() - start;
   stats.rays = rays.count;
   for (uint32_t i = 0; i < rays.count; i++) {
-    const size_t pixel = tile.x0 + i % tile.width + (size_t)width * (tile.y0 + i / tile.width);
+    const uint32_t x = tile.x0 + i % tile.width, y = tile.y0 + i / tile.width;
+    const size_t pixel = x + (size_t)width * y;
     job->surfaces[job->frame & 1].depth[pixel] = samples[i].depth;
     olx_vec3 emission = samples[i].emission;
     if (rays.hits[i].triangle == OLX_NO_HIT) {
@@ -133,7 +142,8 @@ static void sample_tile(void *user, uint32_t index) {
                               .hit = &rays.hits[i],
                               .shading = olx_shading_make(&surface, rays.directions[i]),
                               .view = olx_negate(rays.directions[i]),
-                              .sampler = rays.samplers[i]};
+                              .sampler = rays.samplers[i],
+                              .traces = olx_ray_turn_is(&job->turn, x, y)};
       shade_pixel(job, &p, &stats);
       emission = surface.emission;
     }
@@ -150,17 +160,18 @@ static olx_result accumulate(frame_job *job) {
   const olx_render_settings *settings = job->context.settings;
   const uint32_t now = job->frame & 1, before = now ^ 1;
   if (settings->diffuse == OLX_DIFFUSE_TRACED) {
-    OLX_TRY(olx_denoise_accumulate(&settings->denoise.diffuse, &job->guides[now], job->diffuse_sample,
+    OLX_TRY(olx_denoise_accumulate(&settings->denoise.diffuse, &job->turn, &job->guides[now], job->diffuse_sample,
                                    &job->guides[before], &job->diffuse[before], &job->diffuse[now], settings->threads));
   }
-  return olx_denoise_accumulate(&settings->denoise.glossy, &job->guides[now], job->glossy_sample, &job->guides[before],
-                                &job->glossy[before], &job->glossy[now], settings->threads);
+  return olx_denoise_accumulate(&settings->denoise.glossy, &job->turn, &job->guides[now], job->glossy_sample,
+                                &job->guides[before], &job->glossy[before], &job->glossy[now], settings->threads);
 }
 
 static olx_result render_frame(frame_job *job, const olx_camera *camera, olx_task *task) {
   const olx_render_settings *settings = job->context.settings;
   const uint32_t now = job->frame & 1;
   OLX_TRY(olx_camera_frame_make(camera, settings->width, settings->height, &job->context.camera));
+  job->turn = olx_ray_turn_of(settings->denoise.ray_spacing, job->frame);
   job->guides[now].camera = job->context.camera;
   if (job->frame == 0) job->guides[1].camera = job->context.camera; // the history is empty then
   OLX_TRY(olx_parallel_for(olx_tile_count(settings->width, settings->height), settings->threads, sample_tile, job, task,

@@ -11,6 +11,7 @@ olx_denoise_settings olx_denoise_settings_published(void) {
   return (olx_denoise_settings){
       .diffuse = {.radius_pixels = 12, .stride_pixels = 2, .history = 0.98f, .still_history = 0.98f},
       .glossy = {.radius_pixels = 3, .stride_pixels = 1, .history = 0.75f, .still_history = 0.75f},
+      .ray_spacing = 1,
   };
 }
 
@@ -23,7 +24,7 @@ olx_denoise_settings olx_denoise_settings_default(void) {
 }
 
 olx_denoise_settings olx_denoise_settings_none(void) {
-  return (olx_denoise_settings){.diffuse = {.stride_pixels = 1}, .glossy = {.stride_pixels = 1}};
+  return (olx_denoise_settings){.diffuse = {.stride_pixels = 1}, .glossy = {.stride_pixels = 1}, .ray_spacing = 1};
 }
 
 static olx_result check_filter(const olx_lobe_filter *f, const char *name) {
@@ -35,5 +36,7 @@ static olx_result check_filter(const olx_lobe_filter *f, const char *name) {
 
 olx_result olx_denoise_settings_check(const olx_denoise_settings *settings) {
   OLX_TRY(check_filter(&settings->diffuse, "diffuse"));
-  return check_filter(&settings->glossy, "glossy");
+  OLX_TRY(check_filter(&settings->glossy, "glossy"));
+  if (settings->ray_spacing == 1 || settings->ray_spacing == 2) return OLX_OK;
+  return olx_fail(OLX_ERROR_ARGUMENT, "denoise: rays are 1 or 2 pixels apart, not %u", settings->ray_spacing);
 }

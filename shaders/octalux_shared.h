@@ -364,7 +364,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_LEAST_WEIGHT 1e-6f   // a pixel whose weights sum to less has no value
 #define OLX_BORROWED_COUNT 0.25f // of frames, for a pixel that has another's sample in place of its own
 #define OLX_OWN_COUNT 0.5f       // less is borrowed, and the first sample of a pixel's own replaces it
-#define OLX_LEAST_SHARE 0.01f          // history is not read when less of the four pixels around a point is valid
+#define OLX_LEAST_SHARE 0.01f    // history is not read when less of the four pixels around a point is valid
 
 // lights: a light without area as a field stores it.
 #define OLX_FIELD_LIGHT_WORDS 16u // of olx_field_light

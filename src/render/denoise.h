@@ -38,9 +38,9 @@ void olx_history_clear(uint32_t width, uint32_t height, olx_history *history);
 
 // Blends a frame's samples into the history: `to` becomes the mean of `sample` and the history in `from` of the same
 // surface, found through the previous frame's camera. Surfaces that were not visible then, by depth or normal, start a
-// new history; samples that are not finite are left out. Pixels that did not trace in this turn keep their history; where
-// they have none, they borrow the sample of their square's pixel if it shows the same surface. `from` and `to` must
-// differ.
+// new history; samples that are not finite are left out. Pixels that did not trace in this turn keep their history;
+// where they have none, they borrow the sample of the pixel that traced for their square, if it shows the same surface.
+// `from` and `to` must differ.
 olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_ray_turn *turn, const olx_guide *now,
                                   const olx_incident *sample, const olx_guide *before, const olx_history *from,
                                   const olx_history *to, uint32_t threads);

@@ -33,9 +33,10 @@ static olx_result refuse_undescribed(const olx_chunk_file *file, const olx_chunk
 }
 
 // Refuses a chunk in the form that this field does not use.
-static olx_result refuse_other_form(const olx_chunk_file *file, const olx_chunk_traits *kind,
-                                    const olx_chunk_form *used) {
-  if (!kind->is_other) return OLX_OK;
+static olx_result refuse_other_form(const olx_chunk_file *file, const olx_field_info *info, olx_chunk_kind k) {
+  const olx_chunk_traits *kind = &olx_chunk_kinds[k];
+  const olx_chunk_form *used = olx_chunk_form_of(info, k);
+  if (!kind->is_other || !kind->need->holds(info)) return OLX_OK;
   const uint32_t other = used == &kind->form ? kind->other.type : kind->form.type;
   const olx_file_chunk *chunk;
   OLX_TRY(olx_chunk_find_any(file, other, &chunk));
@@ -54,23 +55,22 @@ static olx_result find_described(olx_field *field, const olx_chunk_file *file, c
   return OLX_OK;
 }
 
-static olx_result find_kind(olx_field *field, const olx_chunk_file *file, olx_chunk_kind k,
-                            const olx_chunk_shape *shape) {
-  const olx_chunk_traits *kind = &olx_chunk_kinds[k];
-  if (!kind->need->holds(&field->info)) return refuse_undescribed(file, kind);
-  const olx_chunk_form *form = olx_chunk_form_of(&field->info, k);
-  OLX_TRY(find_described(field, file, form, shape));
-  return refuse_other_form(file, kind, form);
-}
+static bool is_described(olx_chunk_kind k) { return olx_chunk_kinds[k].need && olx_chunk_kinds[k].records_of; }
 
 static olx_result find_chunks(olx_field *field, const olx_chunk_file *file) {
+  const olx_field_info *info = &field->info;
   olx_chunk_shape shapes[OLX_CHUNK_KINDS];
-  olx_chunk_shapes(&field->info, shapes);
+  olx_chunk_shapes(info, shapes);
   for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
-    if (!olx_chunk_kinds[k].need || !olx_chunk_kinds[k].records_of) continue;
-    OLX_TRY(find_kind(field, file, k, &shapes[k]));
+    const olx_chunk_traits *kind = &olx_chunk_kinds[k];
+    if (!is_described(k)) continue;
+    OLX_TRY(kind->need->holds(info) ? find_described(field, file, olx_chunk_form_of(info, k), &shapes[k])
+                                    : refuse_undescribed(file, kind));
   }
-  return refuse_unknown(file, &field->info, shapes);
+  for (uint32_t k = 0; k < OLX_CHUNK_KINDS; k++) {
+    if (is_described(k)) OLX_TRY(refuse_other_form(file, info, k));
+  }
+  return refuse_unknown(file, info, shapes);
 }
 
 // Sets the sizes that follow from the description.

@@ -87,7 +87,7 @@ static void write_settings(cJSON *root, const double origin[3], const olx_place_
 
 // Adds a share rounded to six digits, because it is an estimate.
 static void add_share(cJSON *object, const char *key, double share) {
-  cJSON_AddNumberToObject(object, key, (double)(int64_t)(share * 1e6 + 0.5) * 1e-6);
+  cJSON_AddNumberToObject(object, key, trunc(share * 1e6 + 0.5) * 1e-6);
 }
 
 static void write_report(cJSON *root, const olx_place_settings *settings, const olx_place_report *report) {

@@ -84,17 +84,22 @@ static void each_filter(void (*check)(const olx_lobe_filter *filter, olx_lobe lo
   }
 }
 
-static void check_constant(const olx_lobe_filter *filter, olx_lobe lobe) {
+static void keep_constant(const olx_lobe_filter *filter, olx_lobe lobe, uint32_t ray_spacing, uint32_t frames) {
   view *a = make_wall(0, 2), *b = make_wall(0.0137f, 2);
   light_buffers *light = make_light();
+  light->ray_spacing = ray_spacing;
   fill(light, 0.7f);
-  for (int i = 0; i < 70; i++) accumulate(light, filter, i & 1 ? b : a, i & 1 ? a : b);
-  filter_light(light, filter, lobe, a);
-  for (uint32_t i = 0; i < PIXELS; i++) ASSERT_NEAR(light->filtered[i].y, 0.7f, 2e-6f);
+  for (uint32_t f = 0; f < frames; f++) {
+    accumulate(light, filter, f & 1 ? b : a, f & 1 ? a : b);
+    filter_light(light, filter, lobe, f & 1 ? a : b);
+    for (uint32_t i = 0; i < PIXELS; i++) ASSERT_NEAR(light->filtered[i].y, 0.7f, 2e-6f);
+  }
   free_light(light);
   free(a);
   free(b);
 }
+
+static void check_constant(const olx_lobe_filter *filter, olx_lobe lobe) { keep_constant(filter, lobe, 1, 70); }
 
 static void test_constant_light_stays_constant(void **state) {
   (void)state;
@@ -533,18 +538,7 @@ static void test_pixels_borrow_nothing_from_another_surface(void **state) {
 }
 
 static void check_constant_with_turns(const olx_lobe_filter *filter, olx_lobe lobe) {
-  view *a = make_wall(0, 2), *b = make_wall(0.0137f, 2);
-  light_buffers *light = make_light();
-  light->ray_spacing = 2;
-  fill(light, 0.7f);
-  for (int i = 0; i < 9; i++) {
-    accumulate(light, filter, i & 1 ? b : a, i & 1 ? a : b);
-    filter_light(light, filter, lobe, i & 1 ? a : b);
-    for (uint32_t p = 0; p < PIXELS; p++) ASSERT_NEAR(light->filtered[p].y, 0.7f, 2e-6f);
-  }
-  free_light(light);
-  free(a);
-  free(b);
+  keep_constant(filter, lobe, 2, 9);
 }
 
 static void test_constant_light_stays_constant_when_pixels_take_turns(void **state) {

@@ -233,7 +233,8 @@ olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuff
 
 // Records the denoiser for the lobes of settings->denoise.lobes, whose rays olx_vulkan_record_diffuse and
 // olx_vulkan_record_glossy have traced with the same view and settings: targets.irradiance and targets.glossy are
-// replaced, alpha stays. View and previous view must be perspective projections from their eye; they may be jittered.
+// replaced, and alpha stays; a pixel that did not trace in this frame (olx_denoise_settings.ray_spacing) has the alpha
+// of the pixel that did. View and previous view must be perspective projections from their eye; they may be jittered.
 // Light on moving surfaces loses its history, because history is found at a surface's former place in the world.
 olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                      const olx_vulkan_view *view, const olx_vulkan_settings *settings);

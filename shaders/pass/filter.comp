@@ -60,7 +60,7 @@ void write_glossy(ivec2 pixel, olx_shown middle, vec3 light) {
   }
   if (olx_lobe_is_dim(bsdf, cosine, job.dim_lobe)) return;
   vec3 reflected = light * max(olx_fresnel(bsdf, cosine), vec3(OLX_LEAST_FRESNEL));
-  // No pixel changes the alpha that it reads here, so that all may read and write at once.
+  // Only the alpha of pixels that traced is read, and these write it as it is, so that all may read and write at once.
   ivec2 traced = min(traced_pixel(job.flags, pixel), ivec2(size_of(job.size)) - 1);
   imageStore(out_target, pixel, vec4(min(reflected, vec3(OLX_HALF_MOST)), imageLoad(out_target, traced).a));
 }

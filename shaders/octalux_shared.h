@@ -179,9 +179,6 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_VERTEX_NORMAL 2048
 #define OLX_FRAME_VERTEX_UNORM 4096
 #define OLX_FRAME_DYNAMIC 8192
-#define OLX_FRAME_SPARSE 16384 // one pixel of each 2 x 2 traces: the one in the turn of TURN_X and TURN_Y
-#define OLX_FRAME_TURN_X 32768
-#define OLX_FRAME_TURN_Y 65536
 
 // Bits of olx_accumulate_constants.flags and olx_filter_constants.flags.
 #define OLX_DENOISE_DIFFUSE 1 // the lobes to mix into their histories
@@ -191,9 +188,11 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_DENOISE_MIRRORED 16 // the camera's frame is left-handed
 #define OLX_DENOISE_MIRRORED_BEFORE 32
 #define OLX_DENOISE_COLUMNS 64
-#define OLX_DENOISE_SPARSE 128 // as OLX_FRAME_SPARSE
-#define OLX_DENOISE_TURN_X 256
-#define OLX_DENOISE_TURN_Y 512
+
+// Bits of all of these flags: one pixel of each 2 x 2 traces, the one at the place that TURN_X and TURN_Y give.
+#define OLX_TURN_SPARSE 16384
+#define OLX_TURN_X 32768
+#define OLX_TURN_Y 65536
 
 #define OLX_PASS_SIZE 8 // threads along a side of a pass's workgroup
 
@@ -278,8 +277,9 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_VERDICT_HIT 1
 #define OLX_VERDICT_HIDDEN 2
 
-// texel_shade: the largest angular error of stored normals in radians. No highlight is narrower, and a ray meets a
-// surface from behind where it runs along the normal by more than that.
+// The largest angular error of stored normals in radians. No highlight is narrower, a ray meets a surface from behind
+// where it runs along the normal by more than that, and a point may be off a texel's plane by so much of the distance
+// between them.
 #define OLX_STORED_NORMAL_ERROR 0.0111f
 
 // trace. A ray remembers tried probes by their numbers modulo the first constant, one bit each. That is exact in fields
@@ -336,10 +336,8 @@ typedef struct olx_gpu_uvec4 {
 // surface_irradiance
 #define OLX_MOST_RANKED 128u
 #define OLX_MOST_BLENDED 4u
-// The errors of packing: the relative error of a half float, and the angular error of a normal in two bytes, in
-// radians.
+// The relative error of a half float.
 #define OLX_DISTANCE_ERROR (1.0f / 2048.0f)
-#define OLX_NORMAL_ERROR 0.0111f
 // How far a texel's surface may miss the point beyond the errors of packing, in footprints.
 #define OLX_SURFACE_MISS 0.05f
 // Where no texel sees the point's surface: how far more a texel's surface may miss the point, in footprints.

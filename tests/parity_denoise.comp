@@ -67,7 +67,7 @@ void denoise_rows() {
     known = olx_mix_sample(olx_known(light_here, 60.0 * random.z), light_there, (bits.w & 1u) != 0u ? 0.98 : 0.0);
     put_incident(known.incident), put(known.count);
     break;
-  case ROW_olx_scales_of: put(scales.inverse_distance), put(scales.narrowing); break;
+  case ROW_olx_scales_of: put(scales.inverse_distance), put(scales.narrowing), put(scales.known); break;
   case ROW_olx_gaussian: put(olx_gaussian(9.0 * random.x)); break;
   case ROW_olx_reach_weight: put(olx_reach_weight(glossy, 0.1 + random.y, here, random.z, random.w, pixels)); break;
   case ROW_olx_tap_weight:

@@ -341,16 +341,42 @@ static void test_pixels_without_the_lobe_lend_and_borrow_nothing(void **state) {
   free(v);
 }
 
+// As the pixels along edges after a cut, whose squares have another surface's ray.
+static void check_lone_pixel(const olx_lobe_filter *filter, olx_lobe lobe) {
+  view *v = make_wall(0, 2);
+  for (uint32_t i = 0; i < PIXELS; i++) v->roughness[i] = 0.05f;
+  // From kernels that reach far to those that reach no other pixel.
+  for (float nearness = 0.1f; nearness < 1e4f; nearness *= 3) {
+    light_buffers *light = make_light();
+    for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), nearness};
+    light->sample[at(20, 20)].inverse_distance = -1.0f;
+    accumulate(light, filter, v, v);
+    filter_light(light, filter, lobe, v);
+    assert_float_equal(light->filtered[at(20, 20)].x, 1.0f, 1e-5f);
+    free_light(light);
+  }
+  free(v);
+}
+
+static void test_a_pixel_without_history_takes_light_from_beside_it_however_sharp_that_is(void **state) {
+  (void)state;
+  const olx_denoise_settings settings = olx_denoise_settings_default();
+  check_lone_pixel(&settings.diffuse, OLX_LOBE_DIFFUSE);
+  check_lone_pixel(&settings.glossy, OLX_LOBE_GLOSSY);
+}
+
 static void test_weights_that_are_hardly_there_count_for_nothing(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  // For some nearness, before kernels become so small that they reach no neighbour, weights are too small to divide by
-  // their sum.
-  for (float nearness = 50.0f; nearness < 1000.0f; nearness *= 1.02f) {
+  // Pixels farther from all samples than a kernel reaches have weights that are too small to divide by their sum.
+  for (uint32_t reach = 1; reach < 19; reach++) {
     light_buffers *light = make_light();
-    for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), nearness};
-    light->sample[at(20, 20)].inverse_distance = -1.0f; // a pixel without a sample of its own
+    for (uint32_t i = 0; i < PIXELS; i++) {
+      const uint32_t x = i % SIZE, y = i / SIZE;
+      const bool away = x + reach <= 20 || x >= 20 + reach || y + reach <= 20 || y >= 20 + reach;
+      light->sample[i] = (olx_incident){olx_splat(1), away ? 500.0f : -1.0f};
+    }
     accumulate(light, &filter, v, v);
     filter_light(light, &filter, OLX_LOBE_DIFFUSE, v);
     const float borrowed = light->filtered[at(20, 20)].x;
@@ -405,6 +431,27 @@ static double noise_after(const olx_lobe_filter *filter, uint32_t frames) {
   return result;
 }
 
+// Else a pixel would have nothing in common with the next, and noise would show as a pattern of 2 x 2 pixels.
+static void test_a_filter_of_stride_2_mixes_odd_and_even_rows_and_columns(void **state) {
+  (void)state;
+  const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
+  view *v = make_wall(0, 2);
+  light_buffers *light = make_light();
+  for (uint32_t i = 0; i < PIXELS; i++) {
+    light->sample[i] = (olx_incident){olx_splat((float)(i % SIZE & i / SIZE & 1)), 0.0f};
+  }
+  accumulate(light, &filter, v, v);
+  filter_light(light, &filter, OLX_LOBE_DIFFUSE, v);
+  for (uint32_t y = 16; y < 24; y++) {
+    for (uint32_t x = 16; x < 24; x++) {
+      const float share = light->filtered[at(x, y)].x; // of a light on one pixel of each 2 x 2
+      assert_true(share > 0.05f && share < 0.6f);
+    }
+  }
+  free_light(light);
+  free(v);
+}
+
 static void test_noise_falls_as_the_weights_say(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_published().diffuse;
@@ -423,7 +470,7 @@ static void test_kernels_narrow_to_where_light_comes_from(void **state) {
   (void)state;
   const olx_lobe_filter filter = olx_denoise_settings_default().diffuse;
   view *v = make_wall(0, 2);
-  const float near = 1.0f / 0.02f, far = 0.0f; // hits a fifth of a pixel away, and the sky
+  const float near = 1.0f / 0.008f, far = 0.0f; // hits a twelfth of a pixel away, and the sky
   for (int i = 0; i < 2; i++) {
     light_buffers *light = make_light();
     for (uint32_t k = 0; k < PIXELS; k++) light->sample[k] = (olx_incident){olx_splat(0), i ? far : near};
@@ -537,6 +584,26 @@ static void test_pixels_borrow_nothing_from_another_surface(void **state) {
   free(v);
 }
 
+static void test_a_pixel_alone_on_its_surface_shows_its_square_until_its_turn(void **state) {
+  (void)state;
+  const olx_denoise_settings settings = olx_denoise_settings_default();
+  view *v = make_wall(0, 2);
+  v->depth[at(21, 21)] = 1.0f;
+  light_buffers *light = make_light();
+  light->ray_spacing = 2;
+  for (uint32_t i = 0; i < PIXELS; i++) light->sample[i] = (olx_incident){olx_splat(1), 1.0f};
+  light->sample[at(20, 20)].light = olx_splat(3); // of the pixel that traces first
+  const olx_history *h = accumulate(light, &settings.glossy, v, v);
+  assert_true(h->count[at(21, 21)] == 0.0f);
+  filter_light(light, &settings.glossy, OLX_LOBE_GLOSSY, v);
+  assert_true(light->filtered[at(21, 21)].x == 3.0f);
+  h = accumulate(light, &settings.glossy, v, v); // the pixel's own turn
+  filter_light(light, &settings.glossy, OLX_LOBE_GLOSSY, v);
+  assert_true(h->count[at(21, 21)] == 1.0f && light->filtered[at(21, 21)].x == 1.0f);
+  free_light(light);
+  free(v);
+}
+
 static void check_constant_with_turns(const olx_lobe_filter *filter, olx_lobe lobe) {
   keep_constant(filter, lobe, 2, 9);
 }
@@ -607,9 +674,12 @@ int main(void) {
       cmocka_unit_test(test_every_pixel_of_a_square_has_its_turn_in_four_frames),
       cmocka_unit_test(test_pixels_borrow_from_their_square_until_their_turn),
       cmocka_unit_test(test_pixels_borrow_nothing_from_another_surface),
+      cmocka_unit_test(test_a_pixel_alone_on_its_surface_shows_its_square_until_its_turn),
       cmocka_unit_test(test_constant_light_stays_constant_when_pixels_take_turns),
+      cmocka_unit_test(test_a_pixel_without_history_takes_light_from_beside_it_however_sharp_that_is),
       cmocka_unit_test(test_weights_that_are_hardly_there_count_for_nothing),
       cmocka_unit_test(test_glossy_light_stays_on_its_material),
+      cmocka_unit_test(test_a_filter_of_stride_2_mixes_odd_and_even_rows_and_columns),
       cmocka_unit_test(test_noise_falls_as_the_weights_say),
       cmocka_unit_test(test_kernels_narrow_to_where_light_comes_from),
       cmocka_unit_test(test_mirrors_are_not_blurred),

@@ -54,7 +54,7 @@ if [ "${1:-}" = long ]; then
   else
     echo "skipped: the living room, without $scenes"
   fi
-  obeys builtin:cornell --radiance-size 256 --noise 0.1 --relight --probe-light
+  obeys builtin:cornell --radiance-size 128 --noise 0.2 --relight --probe-light
 else
   tiny=(builtin:cornell --grid 2x1x2 --radiance-size 32 --noise 0.1 --threads 2)
   obeys "${tiny[@]}"

@@ -148,7 +148,8 @@ DENOISE_ROW(stands_still, const olx_vec2 beside = pixel_of(e, 0.02f * s->random[
 DENOISE_ROW(bilinear_weight, put_f(r, bilinear_weight(pixel_of(e, s->random[0], s->random[1]), s->bits[0] & 3u));)
 DENOISE_ROW(mix_sample, const known past = {e->light_here, 60.0f * s->random[2]};
     put_known(r, mix_sample(past, e->light_there, s->bits[3] & 1u ? 0.98f : 0.0f));)
-DENOISE_ROW(scales_of, const scales k = some_scales(s, e); put_f(r, k.inverse_distance); put_f(r, k.narrowing);)
+DENOISE_ROW(scales_of, const scales k = some_scales(s, e); put_f(r, k.inverse_distance); put_f(r, k.narrowing);
+    put_u(r, k.known);)
 DENOISE_ROW(gaussian, put_f(r, gaussian(9.0f * s->random[0]));)
 DENOISE_ROW(reach_weight, put_f(r, reach_weight(lobe_of(s), 0.1f + s->random[1], &e->here, s->random[2], s->random[3],
                                         (float)(s->bits[1] % 12u)));)

@@ -44,6 +44,7 @@ struct olx_shown {
 struct olx_scales {
   float inverse_distance; // 0 where the pixel has no light
   float narrowing;        // scales kernels like the noise, which falls with the square root of the number of frames
+  bool known;             // whether the pixel has light
 };
 
 olx_known olx_nothing_known() { return olx_known(olx_incident(vec3(0.0), -1.0), 0.0); }
@@ -121,8 +122,8 @@ olx_known olx_mix_sample(olx_known past, olx_incident incident, float largest) {
 // ---- Spatial filter
 
 olx_scales olx_scales_of(olx_incident incident, float count) {
-  if (!olx_is_sample(incident) || !(count > 0.0)) return olx_scales(0.0, 1.0);
-  return olx_scales(incident.inverse_distance, 1.0 / sqrt(count));
+  if (!olx_is_sample(incident) || !(count > 0.0)) return olx_scales(0.0, 1.0, false);
+  return olx_scales(incident.inverse_distance, 1.0 / sqrt(count), true);
 }
 
 float olx_gaussian(float squared_over_variance) { return exp(-0.5 * squared_over_variance); }
@@ -151,7 +152,10 @@ float olx_tap_weight(bool glossy, float radius_pixels, float reach, olx_shown mi
   if (glossy) weight *= max(0.0, 1.0 - abs(tap.roughness - middle.roughness) / OLX_ROUGHNESS_RANGE);
   if (reach > 0.0) {
     float nearness = 0.5 * (here.inverse_distance + max(tap_inverse_distance, 0.0));
-    weight *= olx_reach_weight(glossy, reach * here.narrowing, middle, nearness, sqrt(olx_dot(offset, offset)), pixels);
+    float reached =
+        olx_reach_weight(glossy, reach * here.narrowing, middle, nearness, sqrt(olx_dot(offset, offset)), pixels);
+    // However sharp its light is, a pixel without light takes that of the next pixels of its surface, not none.
+    weight *= here.known ? reached : max(reached, olx_gaussian(olx_square(pixels)));
   }
   return weight;
 }

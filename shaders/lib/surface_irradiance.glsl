@@ -143,7 +143,7 @@ olx_seen_texel olx_see_texel(olx_probe_view v, ivec2 texel) {
 
 // Returns how far packing may move the point off the texel's surface, in metres.
 float olx_packing_error(olx_seen_texel t) {
-  return OLX_DISTANCE_ERROR * t.distance * abs(t.facing) + OLX_NORMAL_ERROR * t.away;
+  return OLX_DISTANCE_ERROR * t.distance * abs(t.facing) + OLX_STORED_NORMAL_ERROR * t.away;
 }
 
 // Returns 1 where the texel sees the surface on which the point lies, 0 where it does not, and values between where

@@ -90,25 +90,28 @@ bool read_guide(ivec2 pixel, out uvec4 guide) {
   return true;
 }
 
-// Returns whether a pixel may borrow the sample of another one, because that shows the same surface.
-bool may_borrow(ivec2 lender, olx_shown now, olx_camera_frame camera) {
+// Returns as how many frames the sample of another pixel counts. If that shows another surface, it counts as nothing:
+// the pixel shows it where it finds no light of its own surface. Negative where there is no sample.
+float count_of_lender(ivec2 lender, olx_shown now, olx_camera_frame camera) {
   uvec4 guide;
-  if (any(greaterThanEqual(uvec2(lender), size_of(job.size))) || !read_guide(lender, guide)) return false;
+  if (any(greaterThanEqual(uvec2(lender), size_of(job.size))) || !read_guide(lender, guide)) return -1.0;
   olx_shown there = guide_shows(guide, camera, frame_size(), vec2(lender) + shift_of(job.now));
-  return olx_same_surface(now, there) && abs(there.roughness - now.roughness) < OLX_ROUGHNESS_RANGE;
+  bool same = olx_same_surface(now, there) && abs(there.roughness - now.roughness) < OLX_ROUGHNESS_RANGE;
+  return same ? OLX_BORROWED_COUNT : 0.0;
 }
 
 // Mixes the sample of a frame in which the pixel traced into what is known; in other frames, a pixel of which nothing
 // is known borrows the sample.
-olx_known take_sample(olx_known past, bool traced, bool borrows, olx_incident incident, float largest) {
+olx_known take_sample(olx_known past, bool traced, float count, olx_incident incident, float largest) {
   if (traced) return olx_mix_sample(past, incident, largest);
-  if (past.count > 0.0 || !borrows || !olx_is_sample(incident)) return past;
-  return olx_known(incident, OLX_BORROWED_COUNT);
+  if (past.count > 0.0 || count < 0.0 || !olx_is_sample(incident)) return past;
+  return olx_known(incident, count);
 }
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), tracer = traced_pixel(job.flags, pixel);
-  bool inside = all(lessThan(uvec2(pixel), size_of(job.size))), traced = tracer == pixel, borrows = false;
+  bool inside = all(lessThan(uvec2(pixel), size_of(job.size))), traced = tracer == pixel;
+  float lent = -1.0;
   memory now = memory(olx_nothing_known(), olx_nothing_known(), false);
   uvec4 guide;
   bool seen = inside && read_guide(pixel, guide);
@@ -116,7 +119,7 @@ void main() {
     olx_camera_frame camera = camera_of(job.now, has_flag(OLX_DENOISE_MIRRORED));
     olx_shown shown = guide_shows(guide, camera, frame_size(), vec2(pixel) + shift_of(job.now));
     now = remember(pixel, shown);
-    borrows = !traced && may_borrow(tracer, shown, camera);
+    if (!traced) lent = count_of_lender(tracer, shown, camera);
   }
   // All pixels of a workgroup, which has whole squares, read samples before any of them writes its mean in their place.
   ivec2 sampled = min(tracer, ivec2(size_of(job.size)) - 1);
@@ -126,9 +129,9 @@ void main() {
   if (!inside) return;
   if (seen) {
     float largest = now.still ? job.diffuse_still_history : job.diffuse_history;
-    now.diffuse = take_sample(now.diffuse, traced, borrows, incident_of(diffuse_sample), largest);
+    now.diffuse = take_sample(now.diffuse, traced, lent, incident_of(diffuse_sample), largest);
     largest = now.still ? job.glossy_still_history : job.glossy_history;
-    now.glossy = take_sample(now.glossy, traced, borrows, incident_of(glossy_sample), largest);
+    now.glossy = take_sample(now.glossy, traced, lent, incident_of(glossy_sample), largest);
     guide.z = packHalf2x16(vec2(now.diffuse.count, now.glossy.count));
   }
   imageStore(guide_now, pixel, guide);

@@ -24,7 +24,7 @@ void gather(ivec2 pixel, frame_surface surface) {
 }
 
 void main() {
-  ivec2 pixel = traced_pixel();
+  ivec2 pixel = pixel_to_trace();
   if (outside_frame(pixel)) return;
   frame_surface surface;
   bool seen = read_surface(pixel, surface);

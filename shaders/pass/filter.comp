@@ -21,17 +21,26 @@ bool glossy() { return has_flag(OLX_DENOISE_GLOSSY); }
 bool columns() { return has_flag(OLX_DENOISE_COLUMNS); }
 float count_of(uvec4 guide) { return glossy() ? guide_counts(guide).y : guide_counts(guide).x; }
 
+// Returns the distance in pixels to the tap numbered i; src/render/denoise.c says why taps lie closer near the middle.
+int tap_distance(int i, int steps) {
+  int stride = int(job.stride_pixels);
+  if (i == 0 || !(job.reach > 0.0)) return i * stride;
+  return i + (stride - 1) * i * abs(i) / steps;
+}
+
 // Returns the weighted mean over pixels along a line, and in alpha the sum of the weights. Rows read the history and
-// columns the result of the rows, whose sums are the weights of a column's pixels.
+// columns the result of the rows, whose sums are the weights of a column's pixels. Where there is no light, it is what
+// the pixel's square has lent, with the weight 0.
 vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown middle) {
   vec2 size = vec2(size_of(job.size)), shift = shift_of(job.camera);
-  olx_scales here = olx_scales_of(incident_of(texelFetch(light_image, pixel, 0)), count_of(guide));
-  int stride = int(job.stride_pixels), steps = int(job.radius_pixels) / stride;
-  ivec2 along = columns() ? ivec2(0, stride) : ivec2(stride, 0);
+  olx_incident own = incident_of(texelFetch(light_image, pixel, 0));
+  olx_scales here = olx_scales_of(own, count_of(guide));
+  int steps = int(job.radius_pixels / job.stride_pixels);
   vec3 sum = vec3(0.0);
   float weight_sum = 0.0;
   for (int i = -steps; i <= steps; i++) {
-    ivec2 tap = pixel + i * along;
+    int away = tap_distance(i, steps);
+    ivec2 tap = pixel + (columns() ? ivec2(0, away) : ivec2(away, 0));
     if (any(lessThan(tap, ivec2(0))) || any(greaterThanEqual(tap, ivec2(size_of(job.size))))) continue;
     uvec4 guide_there = texelFetch(guide_image, tap, 0);
     if (guide_is_empty(guide_there)) continue;
@@ -40,12 +49,13 @@ vec4 mean_along(ivec2 pixel, uvec4 guide, olx_camera_frame camera, olx_shown mid
     if (!(count > 0.0) || !columns() && !olx_is_sample(incident_of(history))) continue;
     olx_shown there = guide_shows(guide_there, camera, size, vec2(tap) + shift);
     float weight = olx_tap_weight(glossy(), float(job.radius_pixels), job.reach, middle, here, there, history.a,
-                                  abs(float(i * stride)));
+                                  abs(float(away)));
     if (columns() || job.reach > 0.0) weight *= count;
     sum += (columns() ? row.rgb : history.rgb) * weight;
     weight_sum += weight;
   }
-  return weight_sum > OLX_LEAST_WEIGHT ? vec4(sum / weight_sum, weight_sum) : vec4(0.0);
+  if (weight_sum > OLX_LEAST_WEIGHT) return vec4(sum / weight_sum, weight_sum);
+  return vec4(olx_is_sample(own) ? own.light : vec3(0.0), 0.0);
 }
 
 // Converts incident light to reflected light and writes it; pixels without a specular lobe reflect none, and those lit

@@ -3,6 +3,7 @@
 #define OLX_FRAME_GLSL
 
 #include "../lib/octalux.glsl"
+#include "ray_turn.glsl"
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
@@ -34,10 +35,10 @@ olx_sample_settings frame_settings() {
                              frame.surface_tolerance);
 }
 
-// Returns the pixel for which an invocation traces rays; where one pixel of each 2 x 2 does, the one in turn.
-ivec2 traced_pixel() {
+// Returns the pixel for which an invocation traces rays: one for each square where pixels take turns.
+ivec2 pixel_to_trace() {
   ivec2 id = ivec2(gl_GlobalInvocationID.xy);
-  return has_flag(OLX_FRAME_SPARSE) ? 2 * id + ivec2(has_flag(OLX_FRAME_TURN_X), has_flag(OLX_FRAME_TURN_Y)) : id;
+  return traced_pixel(frame.flags, has_flag(OLX_TURN_SPARSE) ? 2 * id : id);
 }
 
 bool outside_frame(ivec2 pixel) { return pixel.x >= int(frame.width) || pixel.y >= int(frame.height); }

@@ -6,6 +6,7 @@
 
 #include "../lib/denoise.glsl"
 #include "../lib/octahedral.glsl"
+#include "ray_turn.glsl"
 
 layout(local_size_x = OLX_PASS_SIZE, local_size_y = OLX_PASS_SIZE) in;
 
@@ -31,12 +32,6 @@ olx_shown guide_shows(uvec4 guide, olx_camera_frame camera, vec2 size, vec2 pixe
   float depth = uintBitsToFloat(guide.x);
   return olx_shown(olx_guide_position(camera, size, pixel, depth), olx_octahedral_decode(unpackUnorm2x16(guide.y)),
                    depth, unpackHalf2x16(guide.w).x, olx_pixel_angle(camera, size));
-}
-
-// Returns the pixel that traced rays in this frame for the square of 2 x 2 around a pixel: itself where all trace.
-ivec2 traced_pixel(uint flags, ivec2 pixel) {
-  if ((flags & OLX_DENOISE_SPARSE) == 0u) return pixel;
-  return pixel & ~1 | ivec2((flags & OLX_DENOISE_TURN_X) != 0u, (flags & OLX_DENOISE_TURN_Y) != 0u);
 }
 
 olx_incident incident_of(vec4 texel) { return olx_incident(texel.rgb, texel.a); }

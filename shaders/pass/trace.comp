@@ -58,7 +58,7 @@ void write_gathered(ivec2 pixel, frame_surface surface, gathered sum, uint count
 }
 
 void main() {
-  ivec2 pixel = traced_pixel();
+  ivec2 pixel = pixel_to_trace();
   if (outside_frame(pixel)) return;
   gathered sum = gathered(vec3(0.0), 0.0, 0u);
   vec3 none = vec3(0.0);

@@ -5,7 +5,7 @@
 #include "bake/selectors/selectors.h"
 #include "core/result.h"
 #include "core/vec.h"
-#include "field/brick_data.h"
+#include "field/coded_probes.h"
 
 #include <octalux/limits.h>
 
@@ -156,7 +156,7 @@ olx_result olx_bake_check_settings(const olx_bake_settings *settings) {
 uint32_t olx_bake_select_mask(const olx_bake_settings *settings) {
   const uint32_t *count = settings->grid.count;
   const uint64_t probes = settings->probes ? settings->probe_count : (uint64_t)count[0] * count[1] * count[2];
-  const uint32_t bricks = probes <= OLX_BRICK_MOST_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
+  const uint32_t bricks = probes <= OLX_MAX_CODED_PROBES ? 1u << OLX_SELECT_BRICKS : 0;
   if (settings->select_mask) return settings->select_mask | bricks;
   return settings->probes ? bricks : 1u << OLX_SELECT_CAGE | bricks;
 }

@@ -9,8 +9,7 @@
 
 enum {
   OLX_BRICK_CELLS = OLX_BRICK_SIDE * OLX_BRICK_SIDE * OLX_BRICK_SIDE,
-  OLX_BRICK_MOST_LISTS = 1 << 16,
-  OLX_BRICK_MOST_PROBES = OLX_BRICK_NO_PROBE
+  OLX_BRICK_MOST_LISTS = 1 << 16
 };
 
 typedef struct olx_bricks_header {

@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/result.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // The accumulated value at a surface point: the mean over `count` frames.
@@ -162,8 +163,8 @@ static known look_back(const accumulate_job *job, const shown *s, olx_vec2 at) {
   return sum;
 }
 
-// Returns the sample of the pixel that traced for the square around (x, y), if that pixel shows the surface that `s`
-// shows.
+// Returns the sample of the pixel that traced for the square around (x, y). If that pixel shows another surface than
+// `s`, the sample counts as nothing: the pixel shows it where it finds no light of its own surface.
 static known borrow(const accumulate_job *job, const shown *s, uint32_t x, uint32_t y) {
   const olx_ray_turn *turn = job->turn;
   const uint32_t lender_x = x - x % turn->spacing + turn->x, lender_y = y - y % turn->spacing + turn->y;
@@ -171,8 +172,8 @@ static known borrow(const accumulate_job *job, const shown *s, uint32_t x, uint3
   const size_t lender = lender_x + (size_t)job->now->width * lender_y;
   if (!isfinite(job->now->depth[lender]) || !is_sample(job->sample[lender])) return nothing_known;
   const shown there = show(job->now, lender_x, lender_y);
-  if (!same_surface(s, &there) || !(fabsf(there.roughness - s->roughness) < OLX_ROUGHNESS_RANGE)) return nothing_known;
-  return (known){.incident = job->sample[lender], .count = OLX_BORROWED_COUNT};
+  const bool same = same_surface(s, &there) && fabsf(there.roughness - s->roughness) < OLX_ROUGHNESS_RANGE;
+  return (known){.incident = job->sample[lender], .count = same ? OLX_BORROWED_COUNT : 0.0f};
 }
 
 static known accumulate_pixel(const accumulate_job *job, uint32_t x, uint32_t y) {
@@ -216,11 +217,12 @@ olx_result olx_denoise_accumulate(const olx_lobe_filter *filter, const olx_ray_t
 typedef struct scales {
   float inverse_distance; // 0 when the pixel has no history
   float narrowing;        // kernels shrink with the noise, which falls with the square root of the number of frames
+  bool known;             // whether the pixel has history
 } scales;
 
 static scales scales_of(olx_incident incident, float count) {
   if (!is_sample(incident) || !(count > 0.0f)) return (scales){.narrowing = 1.0f};
-  return (scales){.inverse_distance = incident.inverse_distance, .narrowing = 1.0f / sqrtf(count)};
+  return (scales){.inverse_distance = incident.inverse_distance, .narrowing = 1.0f / sqrtf(count), .known = true};
 }
 
 static float gaussian(float squared_over_variance) { return expf(-0.5f * squared_over_variance); }
@@ -250,9 +252,21 @@ static float tap_weight(const olx_lobe_filter *filter, olx_lobe lobe, const show
   }
   if (filter->reach > 0.0f) {
     const float nearness = 0.5f * (here.inverse_distance + olx_max(tap_inverse_distance, 0.0f));
-    weight *= reach_weight(lobe, filter->reach * here.narrowing, middle, nearness, olx_length(offset), pixels);
+    const float reached =
+        reach_weight(lobe, filter->reach * here.narrowing, middle, nearness, olx_length(offset), pixels);
+    // However sharp its light is, a pixel without history takes that of the next pixels of its surface, not none.
+    weight *= here.known ? reached : olx_max(reached, gaussian(olx_square(pixels)));
   }
   return weight;
+}
+
+// Returns the distance in pixels to the tap numbered i of -steps to steps. With a reach they lie closer to each other near
+// the middle, where kernels that narrow weigh most. So pixels also share rows and columns with the next ones, without
+// which their noise shows as a pattern of 2 x 2 pixels.
+static int32_t tap_distance(const olx_lobe_filter *filter, int32_t i, int32_t steps) {
+  const int32_t stride = (int32_t)filter->stride_pixels;
+  if (i == 0 || !(filter->reach > 0.0f)) return i * stride;
+  return i + (stride - 1) * i * abs(i) / steps;
 }
 
 typedef struct filter_job {
@@ -264,18 +278,21 @@ typedef struct filter_job {
   olx_vec3 *light;
 } filter_job;
 
-// Returns the weighted sum over pixels along a line, of the history or of the row pass. The kernel is separated: the
-// column pass weighs each pixel by the sum of weights of its row.
+// Returns the weighted mean over pixels along a line, of the history or of the row pass. The kernel is separated: the
+// column pass weighs each pixel by the sum of weights of its row. Where there is no light, it is what the pixel's square
+// has lent, with the weight 0.
 static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool columns) {
   const olx_guide *guide = job->guide;
   const olx_history *from = columns ? job->rows : job->history;
   const size_t pixel = x + (size_t)guide->width * y;
   const shown middle = show(guide, x, y);
-  const scales here = scales_of(job->history->incident[pixel], job->history->count[pixel]);
-  const int32_t stride = (int32_t)job->filter->stride_pixels, steps = (int32_t)job->filter->radius_pixels / stride;
+  const olx_incident own = job->history->incident[pixel];
+  const scales here = scales_of(own, job->history->count[pixel]);
+  const int32_t steps = (int32_t)(job->filter->radius_pixels / job->filter->stride_pixels);
   known sum = {.count = 0.0f};
   for (int32_t i = -steps; i <= steps; i++) {
-    const int32_t tap_x = (int32_t)x + (columns ? 0 : i * stride), tap_y = (int32_t)y + (columns ? i * stride : 0);
+    const int32_t away = tap_distance(job->filter, i, steps);
+    const int32_t tap_x = (int32_t)x + (columns ? 0 : away), tap_y = (int32_t)y + (columns ? away : 0);
     if (tap_x < 0 || tap_y < 0 || tap_x >= (int32_t)guide->width || tap_y >= (int32_t)guide->height) continue;
     const size_t tap = (size_t)tap_x + (size_t)guide->width * (size_t)tap_y;
     const float count = from->count[tap];
@@ -283,13 +300,13 @@ static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool colum
     if (!columns && !is_sample(from->incident[tap])) continue;
     const shown there = show(guide, (uint32_t)tap_x, (uint32_t)tap_y);
     float weight = tap_weight(job->filter, job->lobe, &middle, here, &there,
-                              job->history->incident[tap].inverse_distance, fabsf((float)(i * stride)));
+                              job->history->incident[tap].inverse_distance, fabsf((float)away));
     if (columns || job->filter->reach > 0.0f) weight *= count;
     sum.incident.light = olx_madd(sum.incident.light, from->incident[tap].light, weight);
     sum.count += weight;
   }
   if (sum.count > OLX_LEAST_WEIGHT) sum.incident.light = olx_scale(sum.incident.light, 1.0f / sum.count);
-  else sum = (known){.count = 0.0f};
+  else sum = (known){.incident.light = is_sample(own) ? own.light : olx_splat(0.0f)};
   return sum;
 }
 

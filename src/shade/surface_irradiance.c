@@ -119,7 +119,7 @@ static bool see_texel(const olx_field *field, const probe_view *v, size_t texel,
 
 // Returns how far packing may move the point off the texel's surface, in metres.
 static float packing_error(const seen_texel *t) {
-  return OLX_DISTANCE_ERROR * t->distance * fabsf(t->facing) + OLX_NORMAL_ERROR * t->away;
+  return OLX_DISTANCE_ERROR * t->distance * fabsf(t->facing) + OLX_STORED_NORMAL_ERROR * t->away;
 }
 
 // Returns 1 where the texel sees the surface on which the point lies, 0 where it does not, and values between where

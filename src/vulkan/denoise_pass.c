@@ -91,11 +91,10 @@ static void record(const olx_vulkan_frame *f, VkCommandBuffer commands, VkPipeli
   olx_vulkan_dispatch(f, commands);
 }
 
-// Returns the flags that say which pixels have traced rays in this frame.
-static uint32_t turn_flags(const olx_vulkan_denoise *denoise) {
+uint32_t olx_gpu_turn_flags(const olx_vulkan_denoise *denoise) {
   const olx_ray_turn turn = olx_ray_turn_of(denoise->filters.ray_spacing, denoise->frame);
   if (turn.spacing == 1) return 0;
-  return OLX_DENOISE_SPARSE | (turn.x ? OLX_DENOISE_TURN_X : 0u) | (turn.y ? OLX_DENOISE_TURN_Y : 0u);
+  return OLX_TURN_SPARSE | (turn.x ? OLX_TURN_X : 0u) | (turn.y ? OLX_TURN_Y : 0u);
 }
 
 static void record_accumulate(const olx_vulkan_frame *f, VkCommandBuffer commands, const olx_vulkan_view *view,
@@ -105,7 +104,7 @@ static void record_accumulate(const olx_vulkan_frame *f, VkCommandBuffer command
       .now = now->constants,
       .before = before->constants,
       .size = packed_size(f),
-      .flags = s->denoise.lobes | turn_flags(&s->denoise) | (s->denoise.frame == 0 ? OLX_DENOISE_RESTART : 0u) |
+      .flags = s->denoise.lobes | olx_gpu_turn_flags(&s->denoise) | (s->denoise.frame == 0 ? OLX_DENOISE_RESTART : 0u) |
                (f->image_flags & OLX_FRAME_NORMAL_UNORM ? OLX_DENOISE_NORMAL_UNORM : 0u) |
                (now->mirrored ? OLX_DENOISE_MIRRORED : 0u) | (before->mirrored ? OLX_DENOISE_MIRRORED_BEFORE : 0u),
       .empty_depth = view->empty_depth,
@@ -131,7 +130,7 @@ static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, 
         .camera = now->constants,
         .size = packed_size(f),
         .flags = (lobe ? OLX_DENOISE_GLOSSY : OLX_DENOISE_DIFFUSE) | (columns ? OLX_DENOISE_COLUMNS : 0u) |
-                 (now->mirrored ? OLX_DENOISE_MIRRORED : 0u) | turn_flags(&s->denoise),
+                 (now->mirrored ? OLX_DENOISE_MIRRORED : 0u) | olx_gpu_turn_flags(&s->denoise),
         .radius_pixels = filter->radius_pixels,
         .stride_pixels = filter->stride_pixels,
         .reach = filter->reach,

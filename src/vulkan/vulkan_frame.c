@@ -391,7 +391,7 @@ olx_frame_constants olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx
                (s->sample.select == OLX_SELECT_EXHAUSTIVE ? OLX_FRAME_RANK_ALL : 0u) | f->image_flags,
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
-      .sample_index = flags & OLX_FRAME_SPARSE ? olx_ray_turn_number(2, s->sample_index) : s->sample_index,
+      .sample_index = flags & OLX_TURN_SPARSE ? olx_ray_turn_number(2, s->sample_index) : s->sample_index,
       .dim_lobe = s->dim_lobe,
       .seed = s->seed,
       .diffuse_samples = s->diffuse_samples,
@@ -421,15 +421,8 @@ olx_result olx_vulkan_record_pass(const olx_vulkan_frame *f, olx_pass pass, VkCo
   vk->CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk->CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 0, 2, sets, 0, NULL);
   vk->CmdPushConstants(commands, f->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-  dispatch_apart(f, commands, flags & OLX_FRAME_SPARSE ? 2 : 1);
+  dispatch_apart(f, commands, flags & OLX_TURN_SPARSE ? 2 : 1);
   return OLX_OK;
-}
-
-// Returns the flags of a pass whose rays the denoiser takes.
-static uint32_t sample_flags(const olx_vulkan_denoise *denoise) {
-  const olx_ray_turn turn = olx_ray_turn_of(denoise->filters.ray_spacing, denoise->frame);
-  if (turn.spacing == 1) return OLX_FRAME_SAMPLE;
-  return OLX_FRAME_SAMPLE | OLX_FRAME_SPARSE | (turn.x ? OLX_FRAME_TURN_X : 0u) | (turn.y ? OLX_FRAME_TURN_Y : 0u);
 }
 
 olx_result olx_vulkan_record_rays(const olx_vulkan_frame *f, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
@@ -443,5 +436,6 @@ olx_result olx_vulkan_record_rays(const olx_vulkan_frame *f, olx_pass pass, uint
   }
   const VkDescriptorSet samples = f->sample_sets[glossy][denoised ? frame & 1u : 0u];
   c->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, f->layout, 2, 1, &samples, 0, NULL);
-  return olx_vulkan_record_pass(f, pass, commands, view, settings, denoised ? sample_flags(&settings->denoise) : 0u);
+  const uint32_t flags = denoised ? OLX_FRAME_SAMPLE | olx_gpu_turn_flags(&settings->denoise) : 0u;
+  return olx_vulkan_record_pass(f, pass, commands, view, settings, flags);
 }

@@ -84,6 +84,8 @@ olx_result olx_gpu_denoiser_create(olx_vulkan_frame *frame);
 void olx_gpu_denoiser_destroy(olx_vulkan_frame *frame);
 // Binds the frame's history and the host's images to the sets.
 void olx_gpu_denoiser_write(olx_vulkan_frame *frame, const olx_vulkan_targets *targets);
+// Returns the flags (OLX_TURN_*) that say which pixels trace rays in a frame.
+uint32_t olx_gpu_turn_flags(const olx_vulkan_denoise *denoise);
 
 // Checks that all settings are in range and that the frame has the histories that they need.
 olx_result olx_vulkan_check_settings(const olx_vulkan_frame *frame, const olx_vulkan_settings *settings);

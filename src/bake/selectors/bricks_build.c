@@ -6,6 +6,7 @@
 #include "core/hooks.h"
 #include "core/result.h"
 #include "core/sampling.h"
+#include "field/coded_probes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -347,8 +348,9 @@ static olx_result build(site *s, void **data, size_t *size) {
 }
 
 olx_result olx_bricks_build(const olx_selector_input *input, void **data, size_t *size_bytes) {
-  if (input->count > OLX_BRICK_MOST_PROBES) {
-    return olx_fail(OLX_ERROR_ARGUMENT, "bake: bricks list at most %d probes", OLX_BRICK_MOST_PROBES);
+  _Static_assert(OLX_MAX_CODED_PROBES <= OLX_BRICK_NO_PROBE, "the number that stands for no probe names one");
+  if (input->count > OLX_MAX_CODED_PROBES) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "bake: bricks list at most %d probes", OLX_MAX_CODED_PROBES);
   }
   *data = NULL;
   site s = {.input = input};

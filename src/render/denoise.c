@@ -260,9 +260,9 @@ static float tap_weight(const olx_lobe_filter *filter, olx_lobe lobe, const show
   return weight;
 }
 
-// Returns the distance in pixels to the tap numbered i of -steps to steps. With a reach they lie closer to each other near
-// the middle, where kernels that narrow weigh most. So pixels also share rows and columns with the next ones, without
-// which their noise shows as a pattern of 2 x 2 pixels.
+// Returns the distance in pixels to the tap numbered i of -steps to steps. With a reach taps lie closer to each other
+// near the middle, where kernels that narrow weigh most. So pixels also share rows and columns with the next ones,
+// without which their noise shows as a pattern of 2 x 2 pixels.
 static int32_t tap_distance(const olx_lobe_filter *filter, int32_t i, int32_t steps) {
   const int32_t stride = (int32_t)filter->stride_pixels;
   if (i == 0 || !(filter->reach > 0.0f)) return i * stride;
@@ -279,8 +279,8 @@ typedef struct filter_job {
 } filter_job;
 
 // Returns the weighted mean over pixels along a line, of the history or of the row pass. The kernel is separated: the
-// column pass weighs each pixel by the sum of weights of its row. Where there is no light, it is what the pixel's square
-// has lent, with the weight 0.
+// column pass weighs each pixel by the sum of weights of its row. Where there is no light, it is what the pixel's
+// square has lent, with the weight 0.
 static known sum_along(const filter_job *job, uint32_t x, uint32_t y, bool columns) {
   const olx_guide *guide = job->guide;
   const olx_history *from = columns ? job->rows : job->history;

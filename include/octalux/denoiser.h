@@ -14,7 +14,7 @@ extern "C" {
 
 typedef struct olx_lobe_filter {
   uint32_t radius_pixels; // of the filter over pixels, 0 to 64; 0: no filter
-  uint32_t stride_pixels; // between the pixels that the filter reads, 1 to 64; with a reach the mean distance
+  uint32_t stride_pixels; // between the pixels that the filter reads, 1 to 64; their mean where reach is above 0
   float history;          // largest share of earlier frames in a pixel, 0 to 0.999
   float still_history;    // largest share of earlier frames where the surface has not moved in the picture, 0 to 0.999
   float reach;            // 0: only the radius. Above: kernels narrow to a share of the length over which light varies

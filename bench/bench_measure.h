@@ -33,6 +33,9 @@ bench_name bench_probes_name(const bench_probes *probes);
 
 // The noise bound of light with --quick.
 #define BENCH_ROUGH_NOISE 0.05f
+// That of light in models of real scenes, but where an experiment measures default settings. A fifth of it, the default,
+// makes bakes of hard scenes such as Sponza several times as long.
+#define BENCH_MODEL_NOISE 0.1f
 
 // The settings by which all fields of an experiment are baked.
 typedef struct bench_bake {
@@ -41,7 +44,7 @@ typedef struct bench_bake {
   olx_bounce_gather gather;
   olx_irradiance_form form;
   uint32_t classic_size;         // texels along a side of classic maps (the baseline); 0: none
-  float noise;                   // noise bound of the solved light; 0: the default
+  float noise;                   // noise bound of the solved light; 0: as bench_bake_field chooses
   bool rough;                    // place with few samples, for --quick
   bool plain;                    // only the selectors that a bake always builds
   bool no_probe_light;           // without probe light, as by default

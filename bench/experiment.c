@@ -171,10 +171,19 @@ bench_bake bench_bake_settings(const bench *b, bool classic) {
                       .bounces = bench_bounces(b)};
 }
 
+// Returns whether the scene is a model of a description of bench_scene.
+static bool is_model(const bench *b, const olx_scene *scene) {
+  for (uint32_t i = 0; i < b->scene_count; ++i) {
+    if (b->scenes[i].scene == scene) return !is_builtin(b->scenes[i].name);
+  }
+  return false;
+}
+
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made) {
   bench_progress(b, "baking %s", bench_probes_name(probes).text);
   bench_bake own = *bake;
+  if (!(own.noise > 0.0f) && is_model(b, scene)) own.noise = BENCH_MODEL_NOISE;
   own.threads = b->options->threads;
   own.rough = b->options->quick;
   return bench_field_make(scene, probes, &own, &b->folder, b->fields++, &b->progress, made);

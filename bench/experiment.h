@@ -106,7 +106,8 @@ olx_result bench_reference(bench *b, const olx_scene *scene, const olx_camera *c
 
 // Returns default settings for baking a field: fine, or rough with --quick.
 bench_bake bench_bake_settings(const bench *b, bool classic);
-// Places, bakes and opens a field. The caller closes it by bench_field_close, also after a failure.
+// Places, bakes and opens a field. Where bake->noise is 0 the bound is BENCH_MODEL_NOISE in models of descriptions, and
+// the default in built-in scenes. The caller closes the field by bench_field_close, also after a failure.
 olx_result bench_bake_field(bench *b, const olx_scene *scene, const bench_probes *probes, const bench_bake *bake,
                             bench_field *made);
 // Renders images from a field, with noise independent of the references'.

@@ -66,6 +66,7 @@ olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, b
                              .irradiance_size = quick ? 16 : defaults.irradiance_size,
                              .light_samples = defaults.light_samples,
                              .bounces = bounces(r),
+                             .noise = defaults.noise,
                              .plain = true,
                              .no_probe_light = !probe_light,
                              .seed = seed};

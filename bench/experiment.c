@@ -57,15 +57,16 @@ bool bench_leaves_out(bench *b, const char *name) {
   return true;
 }
 
-bool bench_names(const bench_options *o, const char *title) {
-  const size_t length = strlen(title);
-  if (!o->only) return true;
-  for (const char *at = o->only; at; at = strchr(at, ',')) {
+bool bench_listed(const char *names, const char *name) {
+  const size_t length = strlen(name);
+  for (const char *at = names; at; at = strchr(at, ',')) {
     at += *at == ',';
-    if (strncmp(at, title, length) == 0 && (at[length] == ',' || !at[length])) return true;
+    if (strncmp(at, name, length) == 0 && (at[length] == ',' || !at[length])) return true;
   }
   return false;
 }
+
+bool bench_names(const bench_options *o, const char *title) { return !o->only || bench_listed(o->only, title); }
 
 static olx_render_settings sized(const bench *b, olx_method method) {
   const bench_options *o = b->options;

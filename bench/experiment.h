@@ -9,7 +9,7 @@
 
 // The options of the command line that every experiment takes.
 typedef struct bench_options {
-  bool all; // several experiments in one run: shared data is computed once
+  bool several; // experiments in one run: data that they share is computed once
   bool quick, progress, json;
   const char *folder, *images, *report; // folders of scenes and of images, file of the report
   const char *only;                     // names of scenes, separated by commas; NULL: all
@@ -86,6 +86,8 @@ void *bench_shared(bench *b, size_t size_bytes, void (*release)(void *data));
 olx_result bench_scene(bench *b, const char *name, olx_scene **scene);
 // Returns whether --quick skips the scene; the findings then report it.
 bool bench_leaves_out(bench *b, const char *name);
+// Returns whether a name is one of those in a text that separates them by commas.
+bool bench_listed(const char *names, const char *name);
 // Returns whether --only names the scene, or is not given.
 bool bench_names(const bench_options *o, const char *title);
 // Returns the title of a scene, such as "pillars" for "builtin:pillars".

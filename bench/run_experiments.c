@@ -13,14 +13,20 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const experiment *find(const char *name) {
+static const experiment *find(const char *name, size_t length) {
   for (uint32_t i = 0; i < experiment_count; ++i) {
-    if (strcmp(experiments[i].name, name) == 0) return &experiments[i];
+    if (strlen(experiments[i].name) == length && strncmp(experiments[i].name, name, length) == 0)
+      return &experiments[i];
   }
   return NULL;
 }
 
-static int unknown(const char *name) {
+// Returns whether the names on the command line, which are "all" or separated by commas, include the experiment.
+static bool is_named(const char *names, const experiment *e) {
+  return strcmp(names, "all") == 0 ? !e->alone : bench_listed(names, e->name);
+}
+
+static int unknown(const char *name, size_t length) {
   char *names = NULL;
   size_t size_bytes;
   FILE *out = open_memstream(&names, &size_bytes);
@@ -28,9 +34,22 @@ static int unknown(const char *name) {
   for (uint32_t i = 0; i < experiment_count; ++i) fprintf(out, ", %s", experiments[i].name);
   for (uint32_t i = 0; i < study_count; ++i) fprintf(out, ", %s", studies[i].name);
   if (fclose(out) != 0) return failure(BENCH_PROGRAM, "out of memory");
-  const int code = usage_error(BENCH_PROGRAM, "unknown experiment '%s': there are all%s", name, names);
+  const int code = usage_error(BENCH_PROGRAM, "unknown experiment '%.*s': there are all%s", (int)length, name, names);
   free(names);
   return code;
+}
+
+// Checks that there are experiments of all these names.
+static bool check_names(const char *names, int *code) {
+  if (strcmp(names, "all") == 0) return true;
+  for (const char *name = names, *comma; name; name = comma ? comma + 1 : NULL) {
+    comma = strchr(name, ',');
+    const size_t length = comma ? (size_t)(comma - name) : strlen(name);
+    if (find(name, length)) continue;
+    *code = unknown(name, length);
+    return false;
+  }
+  return true;
 }
 
 static bool has_scene(const experiment *e, const char *name, size_t length) {
@@ -65,7 +84,7 @@ static int misplaced(const char *name, bool (*takes)(const experiment *)) {
   return usage_error(BENCH_PROGRAM, "%s goes with %s", name, known);
 }
 
-// Checks that --only names scenes of the experiment; otherwise lists them. `e` is NULL for all experiments.
+// Checks that --only names scenes of the experiment; otherwise lists them. `e` is NULL for several experiments.
 static bool check_scenes(const experiment *e, const char *names, int *code) {
   if (!e || !e->scene) {
     *code = misplaced("--only", takes_scenes);
@@ -81,7 +100,7 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
   return true;
 }
 
-// Checks that the experiment takes the given options; otherwise reports which one does. `e` is NULL for all
+// Checks that the experiment takes the given options; otherwise reports which one does. `e` is NULL for several
 // experiments.
 static bool check_options(const experiment *e, const bench_options *o, int *code) {
   const struct {
@@ -108,7 +127,7 @@ static void list_experiments(FILE *out, bool alone) {
 }
 
 static void put_summary(FILE *out) {
-  fputs("Measure an experiment of the papers, or all of them:\n", out);
+  fputs("Measure experiments of the papers, named one by one with commas between them, or all:\n", out);
   list_experiments(out, false);
   fprintf(out, "  %-21s %s\n", "all", "all of the above");
   fputs("Experiments that take hours and are no part of all:\n", out);
@@ -180,8 +199,8 @@ static olx_result run_one(bench *b, const experiment *e, cJSON *report, cJSON *l
   return result;
 }
 
-static int finish_json(const char *command, cJSON *list, bool all) {
-  if (!all) {
+static int finish_json(const char *command, cJSON *list, bool several) {
+  if (!several) {
     cJSON *only = cJSON_DetachItemFromArray(list, 0);
     cJSON_Delete(list);
     add_text(only, "version", olx_version());
@@ -196,8 +215,7 @@ static int finish_json(const char *command, cJSON *list, bool all) {
 
 // Writes the findings. Finished experiments are kept when a later one fails or is interrupted. Takes ownership of
 // report and list.
-static int write_findings(const bench_options *o, bool all, const char *command, uint32_t ended, cJSON *report,
-                          cJSON *list) {
+static int write_findings(const bench_options *o, const char *command, uint32_t ended, cJSON *report, cJSON *list) {
   int code = EXIT_DONE;
   if (report && ended) {
     char path[4096];
@@ -206,22 +224,22 @@ static int write_findings(const bench_options *o, bool all, const char *command,
   } else {
     cJSON_Delete(report);
   }
-  if (code == EXIT_DONE && o->json && ended) return finish_json(command, list, all);
+  if (code == EXIT_DONE && o->json && ended) return finish_json(command, list, o->several);
   cJSON_Delete(list);
   return code;
 }
 
-static int run_named(const bench_options *o, const experiment *only, const char *command) {
+static int run_named(const bench_options *o, const char *names, const char *command) {
   progress_line line;
   progress_begin(&line, BENCH_PROGRAM, false);
   bench b;
   if (!bench_open(&b, o, &line)) return failure(BENCH_PROGRAM, "%s: cannot create a temporary folder", b.folder.path);
   cJSON *list = cJSON_CreateArray();
-  cJSON *report = o->report ? html_report_begin(only ? only->name : "The experiments, reproduced", command) : NULL;
+  cJSON *report = o->report ? html_report_begin(o->several ? "The experiments, reproduced" : names, command) : NULL;
   olx_result result = OLX_OK;
   uint32_t ended = 0;
   for (uint32_t i = 0; i < experiment_count && result == OLX_OK; ++i) {
-    if (only ? only != &experiments[i] : experiments[i].alone) continue;
+    if (!is_named(names, &experiments[i])) continue;
     result = run_one(&b, &experiments[i], report, list);
     ended += result == OLX_OK;
   }
@@ -230,7 +248,7 @@ static int run_named(const bench_options *o, const experiment *only, const char 
   int code = result == OLX_OK                ? EXIT_DONE
              : result == OLX_ERROR_CANCELLED ? failure(BENCH_PROGRAM, "interrupted")
                                              : library_failure(BENCH_PROGRAM);
-  const int written = write_findings(o, !only, command, ended, report, list);
+  const int written = write_findings(o, command, ended, report, list);
   return code == EXIT_DONE ? written : code;
 }
 
@@ -279,19 +297,20 @@ int run_experiments(int argc, char **argv) {
   if (fclose(out) != 0) return failure(BENCH_PROGRAM, "out of memory");
   command_line line = {.name = BENCH_PROGRAM,
                        .summary = summary,
-                       .arguments = {"EXPERIMENT"},
+                       .arguments = {"EXPERIMENT,..."},
                        .tables = {{options, &o}, {progress_option, &o.progress}, {json_option, &o.json}}};
   int code;
   const bool go_on = parse_options(&line, argc, argv, &code);
   free(summary);
   if (!go_on) return code;
-  const experiment *only = find(line.given[0]);
-  if (!only && strcmp(line.given[0], "all") != 0) return unknown(line.given[0]);
-  o.all = !only;
+  const char *names = line.given[0];
+  if (!check_names(names, &code)) return code;
+  const experiment *only = find(names, strlen(names));
+  o.several = !only;
   if (!check_options(only, &o, &code)) return code;
   if (!ready_folder(o.report, "index.html") || !ready_folder(o.images, "image.png")) return EXIT_FAILED;
   char *command = command_text(argc, argv);
-  code = command ? run_named(&o, only, command) : failure(BENCH_PROGRAM, "out of memory");
+  code = command ? run_named(&o, names, command) : failure(BENCH_PROGRAM, "out of memory");
   free(command);
   return code;
 }

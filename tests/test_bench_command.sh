@@ -6,12 +6,15 @@ mkdir temporary
 small=(--quick --size 24x16 --spp 2)
 
 expect_usage "unknown experiment 'table9': there are all, .*mcguire-leaks, .*wang-probes, speed" table9
+expect_usage "unknown experiment 'table9': there are all" wang-table2,table9
+expect_usage "unknown experiment '': there are all" wang-table2,
 expect_usage "unknown option '--grid'" mcguire-resolution --grid 2x2x2
 expect_usage "unknown scene 'atlantis': surfaces has two-rooms-sealed, .*sponza" surfaces --only furnace,atlantis
 expect_usage "unknown scene '': surfaces has" surfaces --only furnace,
 expect_usage "unknown scene 'fur': surfaces has" surfaces --only fur
 expect_usage "--only goes with .*surfaces" mcguire-resolution --only furnace
 expect_usage "--only goes with .*surfaces" all --only furnace
+expect_usage "--only goes with .*surfaces" surfaces,relight --only furnace
 expect_usage "is not a size" mcguire-resolution --size 8
 expect_failure "nowhere/of/index.html: cannot write" mcguire-resolution --report nowhere/of
 expect_failure "nowhere/of/image.png: cannot write" mcguire-resolution --images nowhere/of
@@ -31,18 +34,25 @@ for way in 2x2x2__256__ path 2x2x2__16__; do
 done
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
-# Numbers are the same from any number of threads, and as text.
+# Several experiments run in the order of their list, into one object and one report. Numbers are the same from any
+# number of threads, and beside other experiments.
 expect 0 mcguire-single-probe "${small[@]}" --threads 1 --json
 cp stdout.txt one.json
-expect 0 mcguire-single-probe "${small[@]}" --threads 3 --json
-python3 - one.json stdout.txt <<'PYTHON' || fail "numbers depend on the threads"
+expect 0 mcguire-single-probe,mcguire-area-light "${small[@]}" --threads 3 --json --report several
+python3 - one.json stdout.txt <<'PYTHON' || fail "numbers depend on the threads, or on other experiments"
 import json, sys
-def qualities(path):
-    table = json.load(open(path))["tables"][0]
+one, several = (json.load(open(path)) for path in sys.argv[1:])
+assert [e["experiment"] for e in several["experiments"]] == ["mcguire-area-light", "mcguire-single-probe"]
+assert all(e["tables"][0]["rows"] for e in several["experiments"])
+def qualities(experiment):
+    table = experiment["tables"][0]
     keys = [c["key"] for c in table["columns"] if c["kind"] != "time"]
     return [[row[key] for key in keys] for row in table["rows"]]
-sys.exit(qualities(sys.argv[1]) != qualities(sys.argv[2]))
+sys.exit(qualities(one) != qualities(several["experiments"][1]))
 PYTHON
+for name in mcguire-area-light mcguire-single-probe; do
+  grep -q "octalux-bench $name --quick" several/index.html || fail "$name is not in the report"
+done
 expect 0 surfaces "${small[@]}" --only parlour,sponza --progress
 grep -q "^| parlour " stdout.txt || fail "no row of the parlour"
 grep -q "^Left out: sponza: --quick" stdout.txt || fail "no word of what is left out"

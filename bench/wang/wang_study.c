@@ -47,7 +47,7 @@ olx_result wang_study_scene(bench *b, uint32_t scene, uint32_t parts, bool serie
   if (!study) return OLX_ERROR_MEMORY;
   if (wang_leaves_out(b, scene)) return OLX_OK;
   if (!study->measured[scene]) {
-    const uint32_t needed = b->options->all ? WANG_ERRORS | WANG_TIMES : parts;
+    const uint32_t needed = b->options->several ? WANG_ERRORS | WANG_TIMES : parts;
     const olx_result result = measure_scene(b, study, scene, needed, series);
     if (result != OLX_OK) return result;
   }

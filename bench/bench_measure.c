@@ -130,6 +130,19 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
   return result;
 }
 
+uint64_t bench_geometry_bytes(const olx_field_info *info) {
+  return info->bytes.geometry + info->bytes.normal + info->bytes.distance + info->bytes.pyramid;
+}
+
+uint64_t bench_light_bytes(const olx_field_info *info) {
+  return info->bytes.material + info->bytes.direct + info->bytes.indirect + info->bytes.emission + info->bytes.radiance;
+}
+
+double bench_texel_bytes(const olx_field_info *info) {
+  const double texels = (double)info->probes.count * info->maps.size * info->maps.size;
+  return (double)(bench_geometry_bytes(info) + bench_light_bytes(info)) / texels;
+}
+
 void bench_field_close(bench_field *made) {
   olx_field_close(made->field);
   made->field = NULL;

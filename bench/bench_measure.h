@@ -68,6 +68,12 @@ olx_result bench_field_make(const olx_scene *scene, const bench_probes *probes, 
                             const bench_folder *folder, uint32_t number, const olx_progress *progress,
                             bench_field *made);
 void bench_field_close(bench_field *made);
+// Returns the bytes of geometry, with its pyramid, and of light and material of all light field probes' maps. A field
+// with probe light holds light at surfaces, and radiance as the probes saw it.
+uint64_t bench_geometry_bytes(const olx_field_info *info);
+uint64_t bench_light_bytes(const olx_field_info *info);
+// Returns the bytes of both for each texel.
+double bench_texel_bytes(const olx_field_info *info);
 
 enum { BENCH_CAMERAS = 16 };
 

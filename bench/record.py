@@ -89,13 +89,15 @@ def written(record, text):
 
 
 def joined(old, new):
-    """The rows of one scene beside those of others, and what each scene took."""
+    """The rows of one scene in their place among those of others, and what each scene took."""
     scene = re.search(r"--only (\S+)", new["command"]).group(1)
     parts = {**old.get("parts", {}), scene: {key: new[key] for key in ("seconds", "processor_seconds")}}
     for table, fresh in zip(old["tables"], new["tables"]):
         key = table["columns"][0]["key"]
         names = {row[key] for row in fresh["rows"]}
-        table["rows"] = [row for row in table["rows"] if row[key] not in names] + fresh["rows"]
+        place = next((i for i, row in enumerate(table["rows"]) if row[key] in names), len(table["rows"]))
+        before, after = ([row for row in rows if row[key] not in names] for rows in (table["rows"][:place], table["rows"][place:]))
+        table["rows"] = before + fresh["rows"] + after
     sums = {key: sum(part[key] for part in parts.values()) for key in ("seconds", "processor_seconds")}
     return {**old, **sums, "parts": parts}
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ROUNDS = 9 };
+enum { MOST_ROUNDS = 9, MAP_SIDE = 128, MAP_TEXELS = MAP_SIDE * MAP_SIDE };
 
 static const bench_column columns[] = {
     {"method", "method", BENCH_NAME, NULL, NULL},
@@ -13,6 +13,7 @@ static const bench_column columns[] = {
     {"texels", "maps", BENCH_NAME, NULL, NULL},
     {"kib", "memory a probe", BENCH_COUNT, "KiB", "as stored in the file, borders included"},
     {"published_kib", "published", BENCH_PUBLISHED, "KB", "Table 6.1"},
+    {"texel_bytes", "a texel", BENCH_QUALITY, "bytes", "of a map; published: 36 of light field probes"},
     {"ms", "1920 x 1080", BENCH_TIME, "ms",
      "diffuse and glossy pass, processor time of one core, median of the rounds"},
     {"over_classic", "over classic", BENCH_TIME, NULL, NULL},
@@ -32,9 +33,7 @@ static void list_contenders(const bench_field *made, contender list[3]) {
   const olx_field_info *info = &made->info;
   const double kib = 1024.0 * info->irradiance.probe_count;
   const double maps = (double)(info->bytes.irradiance + info->bytes.moments) / kib;
-  const double light = (double)(info->bytes.radiance + info->bytes.normal + info->bytes.distance +
-                                info->bytes.geometry + info->bytes.pyramid) /
-                       kib;
+  const double light = (double)(bench_geometry_bytes(info) + bench_light_bytes(info)) / kib;
   const contender all[3] = {
       {.name = "irradiance probes (classic)",
        .visibility = "no",
@@ -98,15 +97,16 @@ static olx_result compare_costs(bench *b, const olx_scene *scene, const bench_fi
     const contender *c = &list[i];
     const double bake = i == 0 ? made->classic_seconds : i == 1 ? made->bake_seconds - made->classic_seconds : NAN;
     FINDINGS_ROW(&b->found, table, TEXT_CELL(c->name), TEXT_CELL(c->visibility), TEXT_CELL(c->texels),
-                 NUMBER_CELL(c->kib), NUMBER_CELL(c->published_kib), NUMBER_CELL(c->median),
-                 NUMBER_CELL(c->median / list[0].median), NUMBER_CELL(c->published_ms), NUMBER_CELL(bake));
+                 NUMBER_CELL(c->kib), NUMBER_CELL(c->published_kib), NUMBER_CELL(c->kib * 1024.0 / MAP_TEXELS),
+                 NUMBER_CELL(c->median), NUMBER_CELL(c->median / list[0].median), NUMBER_CELL(c->published_ms),
+                 NUMBER_CELL(bake));
   }
   return OLX_OK;
 }
 
 olx_result run_dissertation_table1(bench *b) {
-  const bench_probes probes = {.grid = {4, 2, 2}, .texels = 128};
-  bench_bake bake = {.irradiance_size = 128, .light_samples = 1, .classic_size = 128};
+  const bench_probes probes = {.grid = {4, 2, 2}, .texels = MAP_SIDE};
+  bench_bake bake = {.irradiance_size = MAP_SIDE, .light_samples = 1, .classic_size = MAP_SIDE};
   olx_scene *scene;
   olx_result result = bench_scene(b, "builtin:two-rooms-sealed", &scene);
   if (result == OLX_OK) result = olx_scene_probe_grid(scene, probes.grid, &bake.irradiance_grid);

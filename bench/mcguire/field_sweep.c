@@ -11,6 +11,8 @@ static const bench_column columns[] = {
     {"texels", "texels", BENCH_NAME, NULL, "of a light field map"},
     {"probes", "probes", BENCH_COUNT, NULL, NULL},
     {"mib", "field", BENCH_COUNT, "MiB", "all maps of the field"},
+    {"texel_bytes", "a texel", BENCH_QUALITY, "bytes",
+     "of light field probes: geometry, material, light at surfaces, and radiance as probes saw it"},
     {"diffuse_relative_mse", "diffuse: relative MSE", BENCH_QUALITY, NULL, "of indirect diffuse light"},
     {"diffuse_bias", "bias", BENCH_QUALITY, "%", "of indirect diffuse light"},
     {"diffuse_flip", "FLIP", BENCH_QUALITY, NULL, "of indirect diffuse light"},
@@ -48,8 +50,9 @@ static olx_result add_row(const sweep *s, const sweep_step *step, const bench_fi
   FINDINGS_ROW(&s->b->found, s->table, TEXT_CELL(bench_scene_title(s->wanted->scene)), TEXT_CELL(grid),
                TEXT_CELL(texels), NUMBER_CELL(info->probes.count),
                NUMBER_CELL((double)(info->bytes.file - info->bytes.selectors) / 1048576.0),
-               NUMBER_CELL(diffuse.error.relative_mse), NUMBER_CELL(diffuse.error.bias), NUMBER_CELL(diffuse.flip),
-               NUMBER_CELL(glossy.error.relative_mse), NUMBER_CELL(glossy.error.bias), NUMBER_CELL(glossy.flip),
+               NUMBER_CELL(bench_texel_bytes(info)), NUMBER_CELL(diffuse.error.relative_mse),
+               NUMBER_CELL(diffuse.error.bias), NUMBER_CELL(diffuse.flip), NUMBER_CELL(glossy.error.relative_mse),
+               NUMBER_CELL(glossy.error.bias), NUMBER_CELL(glossy.flip),
                NUMBER_CELL((double)stats->field_unresolved / rays), NUMBER_CELL(1e9 * stats->diffuse_seconds / samples),
                NUMBER_CELL(1e6 * stats->glossy_seconds / rays), NUMBER_CELL(made->bake_seconds));
   return OLX_OK;

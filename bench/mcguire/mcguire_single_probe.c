@@ -21,6 +21,8 @@ static const bench_column ray_columns[] = {
     {"distance_error", "median error", BENCH_QUALITY, NULL, "of the distance, over the ray's length"},
     {"steps", "steps", BENCH_QUALITY, NULL, "distances read a ray"},
     {"mib", "field", BENCH_COUNT, "MiB", NULL},
+    {"texel_bytes", "a texel", BENCH_QUALITY, "bytes",
+     "of light field probes: geometry, material, light at surfaces, and radiance as probes saw it"},
 };
 
 typedef struct hall {
@@ -86,7 +88,7 @@ static olx_result add_rays(hall *h, const char *grid, const bench_field *made) {
   FINDINGS_ROW(&h->b->found, h->rays, TEXT_CELL(grid), NUMBER_CELL(audit.rays.unresolved),
                NUMBER_CELL(audit.rays.wrong), NUMBER_CELL(audit.rays.unseen),
                NUMBER_CELL(audit.rays.distance_error_median), NUMBER_CELL(audit.rays.steps_mean),
-               NUMBER_CELL(bytes / 1048576.0));
+               NUMBER_CELL(bytes / 1048576.0), NUMBER_CELL(bench_texel_bytes(&made->info)));
   return OLX_OK;
 }
 

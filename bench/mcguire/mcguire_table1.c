@@ -20,6 +20,8 @@ static const bench_column columns[] = {
     {"tried", "probes a ray", BENCH_QUALITY, NULL, NULL},
     {"unresolved", "unresolved", BENCH_QUALITY, "%", "rays that no probe could answer"},
     {"mib", "field", BENCH_COUNT, "MiB", NULL},
+    {"texel_bytes", "a texel", BENCH_QUALITY, "bytes",
+     "of light field probes: geometry, material, light at surfaces, and radiance as probes saw it"},
     {"bake_s", "bake", BENCH_TIME, "s", "processor time, one further bounce; published: one to two minutes"},
 };
 
@@ -95,7 +97,7 @@ static olx_result run_line(bench *b, const struct line *l, bench_table *table) {
                  NUMBER_CELL((double)t.stats.field_rays / t.pixels), NUMBER_CELL((double)t.stats.field_steps / rays),
                  NUMBER_CELL((double)t.stats.field_probes / rays), NUMBER_CELL((double)t.stats.field_unresolved / rays),
                  NUMBER_CELL((double)(made.info.bytes.file - made.info.bytes.selectors) / 1048576.0),
-                 NUMBER_CELL(made.bake_seconds));
+                 NUMBER_CELL(bench_texel_bytes(&made.info)), NUMBER_CELL(made.bake_seconds));
   }
   bench_field_close(&made);
   return result;

@@ -5,6 +5,7 @@
 //
 // Errors are products of two independent halves of a pixel's rays, so that noise adds nothing to them on average. The
 // noise that is left in a ratio to the best grid is estimated by leaving out each twentieth of the pixels (jackknife).
+#include "bench_measure.h"
 #include "options.h"
 #include "render/camera.h"
 #include "scene/bvh.h"
@@ -122,9 +123,9 @@ static void report(const comparison *c, char **names, uint32_t cameras, uint32_t
       bias += c->sum[i][k].bias, light += c->sum[i][k].light;
     }
     printf("| %s | %u | %.0f | %.3g | %.4f | %+.3f | %.2f ± %.2f |", names[i], info.probes.count,
-           (double)(info.bytes.radiance + info.bytes.normal + info.bytes.distance + info.bytes.geometry) * 1e-6,
-           error / (3.0 * pixels * cameras), error / power, bias / light,
-           error / error_without(c, best, cameras, PARTS), ratio_spread(c, i, best, cameras));
+           (double)(bench_geometry_bytes(&info) + bench_light_bytes(&info)) * 1e-6, error / (3.0 * pixels * cameras),
+           error / power, bias / light, error / error_without(c, best, cameras, PARTS),
+           ratio_spread(c, i, best, cameras));
     for (uint32_t k = 0; k < cameras; k++) {
       double mine = 0.0, of_best = 0.0;
       for (uint32_t p = 0; p < PARTS; p++) mine += c->sum[i][k].error[p], of_best += c->sum[best][k].error[p];

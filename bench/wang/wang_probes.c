@@ -84,8 +84,7 @@ static olx_result judge(const wang_view *view, const bench_field *made, finding 
   bench_images pictures;
   found->count = info->probes.count;
   found->coverage = made->coverage;
-  found->megabytes =
-      (double)(info->bytes.radiance + info->bytes.normal + info->bytes.distance + info->bytes.geometry) * 1e-6;
+  found->megabytes = (double)(bench_geometry_bytes(info) + bench_light_bytes(info)) * 1e-6;
   olx_result result =
       wang_compare(view, made->field, OLX_TRACER_HIZ, OLX_SELECT_BEST, name.text, &found->quality, &pictures);
   if (result == OLX_OK) result = show(view, name.text, &pictures);

@@ -8,11 +8,12 @@
 static const bench_column columns[] = {
     {"scene", "scene", BENCH_NAME, NULL, NULL},
     {"set", "probes", BENCH_NAME, NULL, NULL},
-    {"distance", "distance", BENCH_COUNT, "MiB", "with its pyramid"},
-    {"published_distance", "published", BENCH_PUBLISHED, "MB", NULL},
-    {"other", "other textures", BENCH_COUNT, "MiB",
-     "radiance and normals of light field probes, irradiance and moments"},
-    {"published_other", "published", BENCH_PUBLISHED, "MB", NULL},
+    {"geometry", "geometry", BENCH_COUNT, "MiB", "planes, or distances and normals, with the pyramid"},
+    {"published_distance", "published", BENCH_PUBLISHED, "MB", "distances"},
+    {"other", "other textures", BENCH_COUNT, "MiB", "light and material of light field probes, irradiance and moments"},
+    {"published_other", "published", BENCH_PUBLISHED, "MB", "with normals"},
+    {"texel_bytes", "a texel", BENCH_QUALITY, "bytes",
+     "of both, in the maps that were baked, but for irradiance and moments"},
     {"octree", "octree", BENCH_QUALITY, "MiB", "Wang's selector as we store it, for the maps that were baked"},
     {"published_octree", "published", BENCH_PUBLISHED, "MB", NULL},
     {"bricks", "bricks", BENCH_QUALITY, "MiB", "our selector in its place, for the same"},
@@ -35,24 +36,24 @@ static const struct published {
 
 static const double MIB = 1048576.0;
 
-// Returns the size of maps scaled to 512 texels along a side, with their borders of one texel.
-static double at_512(double bytes, uint32_t texels) {
-  const double side = (double)texels + 2.0;
-  return bytes / MIB * 514.0 * 514.0 / (side * side);
+// Returns the size of maps scaled by texels to 512 along a side.
+static double at_512(uint64_t bytes, uint32_t texels) {
+  const double scale = 512.0 / texels;
+  return (double)bytes / MIB * scale * scale;
 }
 
 static void add_set(bench *b, bench_table *table, const struct published *p, const bench_field *set) {
   const olx_field_info *info = &set->info;
-  const double distance =
-      at_512((double)(info->bytes.distance + info->bytes.geometry + info->bytes.pyramid), info->maps.size);
-  const double other = at_512((double)(info->bytes.radiance + info->bytes.normal), info->maps.size) +
-                       (double)(info->bytes.irradiance + info->bytes.moments) / MIB;
+  const double geometry = at_512(bench_geometry_bytes(info), info->maps.size);
+  const double other =
+      at_512(bench_light_bytes(info), info->maps.size) + (double)(info->bytes.irradiance + info->bytes.moments) / MIB;
   const bool placed = !info->probes.has_grid;
   const double octree = placed ? (double)info->bytes.select[OLX_SELECT_OCTREE] / MIB : NAN;
-  FINDINGS_ROW(&b->found, table, TEXT_CELL(wang_scenes[p->scene].name), TEXT_CELL(p->set), NUMBER_CELL(distance),
-               NUMBER_CELL(p->distance), NUMBER_CELL(other), NUMBER_CELL(p->other), NUMBER_CELL(octree),
-               NUMBER_CELL(p->octree), NUMBER_CELL(placed ? (double)info->bytes.select[OLX_SELECT_BRICKS] / MIB : NAN),
-               NUMBER_CELL(distance + other + (placed ? octree : 0.0)), NUMBER_CELL(p->total),
+  FINDINGS_ROW(&b->found, table, TEXT_CELL(wang_scenes[p->scene].name), TEXT_CELL(p->set), NUMBER_CELL(geometry),
+               NUMBER_CELL(p->distance), NUMBER_CELL(other), NUMBER_CELL(p->other),
+               NUMBER_CELL(bench_texel_bytes(info)), NUMBER_CELL(octree), NUMBER_CELL(p->octree),
+               NUMBER_CELL(placed ? (double)info->bytes.select[OLX_SELECT_BRICKS] / MIB : NAN),
+               NUMBER_CELL(geometry + other + (placed ? octree : 0.0)), NUMBER_CELL(p->total),
                NUMBER_CELL(placed ? set->place_seconds : NAN), NUMBER_CELL(set->bake_seconds));
 }
 

@@ -33,8 +33,8 @@ bench_name bench_probes_name(const bench_probes *probes);
 
 // The noise bound of light with --quick.
 #define BENCH_ROUGH_NOISE 0.05f
-// That of light in models of real scenes, but where an experiment measures default settings. A fifth of it, the default,
-// makes bakes of hard scenes such as Sponza several times as long.
+// The noise bound of light in models of real scenes, except in experiments that measure default settings. For the
+// default, a fifth of it, Sponza takes four times as many rays (docs/studies/light.md).
 #define BENCH_MODEL_NOISE 0.1f
 
 // The settings by which all fields of an experiment are baked.

@@ -172,7 +172,7 @@ bench_bake bench_bake_settings(const bench *b, bool classic) {
                       .bounces = bench_bounces(b)};
 }
 
-// Returns whether the scene is a model of a description of bench_scene.
+// Returns whether bench_scene loaded the scene from a description, not by the name of a built-in one.
 static bool is_model(const bench *b, const olx_scene *scene) {
   for (uint32_t i = 0; i < b->scene_count; ++i) {
     if (b->scenes[i].scene == scene) return !is_builtin(b->scenes[i].name);

@@ -9,7 +9,7 @@
 
 // The options of the command line that every experiment takes.
 typedef struct bench_options {
-  bool several; // experiments in one run: data that they share is computed once
+  bool several; // more than one experiment runs: data that they share is computed once
   bool quick, progress, json;
   const char *folder, *images, *report; // folders of scenes and of images, file of the report
   const char *only;                     // names of scenes, separated by commas; NULL: all

@@ -39,12 +39,19 @@ static int unknown(const char *name, size_t length) {
   return code;
 }
 
+// Takes the first name off a text that separates names by commas. Returns NULL when none is left.
+static const char *take_name(const char **rest, size_t *length) {
+  const char *name = *rest, *comma = name ? strchr(name, ',') : NULL;
+  if (name) *length = comma ? (size_t)(comma - name) : strlen(name);
+  *rest = comma ? comma + 1 : NULL;
+  return name;
+}
+
 // Checks that there are experiments of all these names.
 static bool check_names(const char *names, int *code) {
   if (strcmp(names, "all") == 0) return true;
-  for (const char *name = names, *comma; name; name = comma ? comma + 1 : NULL) {
-    comma = strchr(name, ',');
-    const size_t length = comma ? (size_t)(comma - name) : strlen(name);
+  size_t length;
+  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
     if (find(name, length)) continue;
     *code = unknown(name, length);
     return false;
@@ -90,9 +97,8 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
     *code = misplaced("--only", takes_scenes);
     return false;
   }
-  for (const char *name = names, *comma; name; name = comma ? comma + 1 : NULL) {
-    comma = strchr(name, ',');
-    const size_t length = comma ? (size_t)(comma - name) : strlen(name);
+  size_t length;
+  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
     if (has_scene(e, name, length)) continue;
     *code = unknown_scene(e, name, length);
     return false;

@@ -661,6 +661,14 @@ static void settings_that_cannot_be_are_refused(void **unused) {
   settings.sample.tracer = (olx_tracer)3;
   assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
   assert_non_null(strstr(olx_last_error(), "there is no tracer 3"));
+  settings = olx_vulkan_settings_default();
+  settings.sample.select = (olx_select)(OLX_SELECT_BEST + 1);
+  assert_int_equal(olx_vulkan_record_glossy(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "there is no selector"));
+  settings = olx_vulkan_settings_default();
+  settings.sample.visibility = (olx_visibility)2;
+  assert_int_equal(olx_vulkan_record_irradiance(f.frame, device.commands, &view, &settings), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "there is no visibility 2"));
   static const float bad[] = {-0.1f, 1.5f, NAN, INFINITY};
   for (uint32_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     settings = olx_vulkan_settings_default();

@@ -332,6 +332,12 @@ olx_result olx_vulkan_check_settings(const olx_vulkan_frame *f, const olx_vulkan
   if ((uint32_t)s->sample.tracer > OLX_TRACER_HIZ) {
     return olx_fail(OLX_ERROR_ARGUMENT, "there is no tracer %d", (int)s->sample.tracer);
   }
+  if ((uint32_t)s->sample.select > OLX_SELECT_BEST) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no selector %d", (int)s->sample.select);
+  }
+  if ((uint32_t)s->sample.visibility > OLX_VISIBILITY_CHEBYSHEV) {
+    return olx_fail(OLX_ERROR_ARGUMENT, "there is no visibility %d", (int)s->sample.visibility);
+  }
   if (s->sample.select < OLX_SELECT_EXHAUSTIVE && !(OLX_SELECT_GPU_MASK >> s->sample.select & 1u)) {
     return olx_fail(OLX_ERROR_UNSUPPORTED, "the selector '%s' does not run on the GPU",
                     olx_select_name(s->sample.select));

@@ -16,6 +16,7 @@ const KNOWN_REQUIRED = (
 const KNOWN = [...KNOWN_REQUIRED, ...'VORO OCTR BRIK CLAS CIRR CRAD CBOX VOLU VPOS VIRR RLIT'.split(' ')];
 const NODE_SIDES = [256, 64, 16, 4];
 const SELECTORS = ['cage', 'voronoi', 'octree', 'bricks'];
+const SELECTOR_CHUNKS = [null, 'VORO', 'OCTR', 'BRIK']; // of each selector; the cage needs none
 
 /** The error for a file that is no field, or one that this reader cannot use. */
 export class FieldError extends Error {
@@ -137,6 +138,17 @@ function pyramidOf(n, overBlocks) {
   return { levels: sides.length, first: [...first, 0, 0, 0].slice(0, 4), nodes };
 }
 
+// Checks that there are the chunks of the selectors that INFO names, and of no others. Rays alone read VORO and OCTR, so
+// files without glossy light leave them out.
+function checkSelectors({ selectMask, glossy }, chunks) {
+  SELECTOR_CHUNKS.forEach((type, i) => {
+    if (!type) return;
+    const named = (selectMask & (1 << i)) !== 0;
+    need(named || !chunks.has(type), `a ${type} chunk, but INFO does not name its selector`);
+    need(!named || chunks.has(type) || (type !== 'BRIK' && !glossy), `chunk ${type} is missing`);
+  });
+}
+
 /** @param {ArrayBuffer} buffer a whole .olx file; arrays of the result are views of it, or of a copy without filters. Throws a FieldError. */
 export function parseField(buffer) {
   const chunks = readChunks(new DataView(buffer)), plain = unfiltered(buffer, chunks), view = new DataView(plain);
@@ -155,6 +167,7 @@ export function parseField(buffer) {
   const bordered = (n + 2) ** 2 * probes, blocks = (n * n) / 16 * probes;
   // `octalux export web --no-glossy` leaves out what reflections alone need.
   const glossy = chunks.has(info.compressed ? 'PBAS' : 'BASE');
+  checkSelectors({ ...info, glossy }, chunks);
   const forGlossy = (type, Kind, length) => (glossy ? array(type, Kind, length) : new Kind(0));
   const surfaces = info.compressed
     ? {
@@ -202,13 +215,11 @@ export function parseField(buffer) {
 }
 
 // Checks counts of bricks and of the volume, which shaders trust: every list must be inside its chunk.
-function checkParts({ bricks, neighbours, volume, tiles, lights, planes, surfaces, info }) {
+function checkParts({ bricks, volume, tiles, lights, planes, surfaces, info }) {
   need(!info.compressed || (surfaces.base.length % 8 === 0 && [surfaces.specular, surfaces.direct, surfaces.indirect].every((pool) => pool.length % 16 === 0)),
     'a pool of blocks is cut off');
   need(!planes || planes.length % 2 === 0, 'planes of geometry blocks are cut off');
   need(tiles.length % 64 === 0 && lights.length % 16 === 0, 'lights or tiles of emission are cut off');
-  need(!(info.selectMask & 8) || bricks, 'chunk BRIK is missing');
-  need(!(info.selectMask & 2) || neighbours || !info.glossy, 'chunk VORO is missing'); // rays alone read it
   if (bricks) {
     const [x, y, z, divided, lists] = bricks.subarray(4, 9);
     need(bricks.length === 16 + x * y * z + 32 * divided + 4 * lists, 'chunk BRIK has another size than its header says');

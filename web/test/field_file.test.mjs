@@ -148,6 +148,10 @@ describe('a baked field', { skip: octalux ? false : 'OCTALUX does not name the p
     refused(change(info + 20, 48), /48 texels/);
     refused(change(info + 156, 8 + 6), /form that this reader does not know/);
     refused(renamed(whole, { VORO: 'GLOW' }), /chunk VORO is missing/);
+    refused(renamed(whole, { BRIK: 'GLOW' }), /chunk BRIK is missing/);
+    const selectors = new DataView(whole).getUint32(info + 32, true);
+    refused(change(info + 32, selectors | 4), /chunk OCTR is missing/);
+    refused(change(info + 32, selectors & ~2), /a VORO chunk, but INFO does not name its selector/);
     refused(renamed(whole, { VPOS: 'VIRR' }), /chunk VIRR comes twice/);
   });
 

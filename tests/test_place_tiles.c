@@ -6,6 +6,7 @@
 #include "place/cover/tiles.h"
 #include "place/space/space_find.h"
 #include "place_fixtures.h"
+#include "scene/builtin/builtin_shapes.h"
 #include "tiny_scenes.h"
 
 #include <octalux/place.h>
@@ -220,6 +221,28 @@ static void coarse_voxels_close_doors(void **state) {
   olx_scene_free(scene);
 }
 
+// A box may hold space that no viewer reaches, in tiles of its own.
+static void a_playable_box_may_hold_tiles_without_space(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene), materials[6] = {m, m, m, m, m, m};
+  for (int room = 0; room < 2; room++) {
+    const float x = 94.0f * (float)room;
+    ASSERT_OK(olx_add_room(scene, room ? "far" : "near", olx_v3(x, 0, 0), olx_v3(x + 6, 3, 6), materials));
+  }
+  const olx_camera camera = tiny_camera(olx_v3(1, 1.5f, 1), olx_v3(5, 1.5f, 5), 60.0f);
+  ASSERT_OK(olx_scene_add_camera(scene, &camera));
+  made_finish(scene);
+  scene->probe_rules.has_playable = true;
+  scene->probe_rules.playable = (olx_box){{0.1f, 0.1f, 0.1f}, {99.9f, 2.9f, 5.9f}};
+  const olx_place_settings settings = hall_settings(scene);
+  olx_probe_set set = place(scene, &settings);
+  assert_true(set.report.tiles > 1);
+  for (uint32_t i = 0; i < set.count; i++) assert_true(set.probes[i].position.x < 6.0f);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(floods_by_bricks_reach_what_floods_by_voxels_reach),
@@ -228,6 +251,7 @@ int main(void) {
       cmocka_unit_test(a_count_is_kept_in_tiles),
       cmocka_unit_test(a_sealed_room_is_told_in_square_metres),
       cmocka_unit_test(coarse_voxels_close_doors),
+      cmocka_unit_test(a_playable_box_may_hold_tiles_without_space),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -130,7 +130,8 @@ olx_render_settings olx_render_settings_default(olx_method method);
 typedef struct olx_render_stats {
   double seconds;
   // Processor time of the workers, summed over threads; a path tracer sets only the first.
-  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds, denoise_seconds;
+  double primary_seconds, direct_seconds, diffuse_seconds, glossy_seconds;
+  double denoise_seconds; // elapsed time of denoising
   uint64_t rays;            // cast with Embree
   uint64_t field_rays;      // traced through the field
   uint64_t field_unresolved;

@@ -40,7 +40,8 @@ static const float PROBE_RADIUS = 0.01f, IRRADIANCE_RADIUS = 0.006f, VOLUME_RADI
 typedef struct gltf_model {
   const olx_field *field;
   cJSON *root, *nodes, *meshes, *accessors, *views;
-  uint8_t *bytes; // of the buffer
+  uint32_t node_count; // of `nodes`, which is too long to be counted again and again
+  uint8_t *bytes;      // of the buffer
   size_t size_bytes, most_bytes;
   bool failed; // out of memory
   olx_gltf_counts counts;
@@ -63,7 +64,7 @@ static uint32_t size_of(const cJSON *list) { return (uint32_t)cJSON_GetArraySize
 
 // Adds a node to the children of a parent.
 static cJSON *add_node(gltf_model *m, cJSON *children, const char *name) {
-  cJSON_AddItemToArray(children, cJSON_CreateNumber(size_of(m->nodes)));
+  cJSON_AddItemToArray(children, cJSON_CreateNumber(m->node_count++));
   cJSON *node = new_object(m, m->nodes);
   cJSON_AddStringToObject(node, "name", name);
   return node;

@@ -183,6 +183,12 @@ static olx_result fail_without_places(const olx_scene *scene) {
                                    "description asks for leave no place");
 }
 
+static olx_result fail_unseen(void) {
+  return olx_fail(OLX_ERROR_EMPTY,
+                  "nowhere to place probes: from no place is any surface seen well enough, with texels no larger than "
+                  "max_footprint and at a cosine of at least min_cosine");
+}
+
 static olx_result choose_probes(const olx_space *space, const olx_sight *sight, olx_task *task,
                                 olx_place_settings *settings, olx_candidate **probes, olx_probe_set *set) {
   if (settings->method == OLX_PLACE_GRID) {
@@ -245,6 +251,7 @@ static olx_result place_in(const olx_space *space, const olx_sight *sight, olx_t
   olx_candidate *probes = NULL;
   olx_result result;
   OLX_TRY_GOTO(choose_probes(space, sight, task, settings, &probes, set), done);
+  if (set->count == 0) OLX_TRY_GOTO(fail_unseen(), done);
   if (moves) OLX_TRY_GOTO(measure_before(space, sight, probes, set), done);
   if (moves) OLX_TRY_GOTO(optimize(space, sight, task, settings, probes, set), done);
   OLX_TRY_GOTO(olx_budget_keep(space->scene, probes, set), done);
@@ -280,7 +287,9 @@ static olx_result place_in_tiles(olx_world *world, const olx_sight *sight, olx_t
   } else {
     result = cover_tiles(world, sight, task, &probes, set);
   }
-  if (result == OLX_OK && set->count == 0) result = fail_without_places(world->scene);
+  if (result == OLX_OK && set->count == 0) {
+    result = world->reached_count > 0 ? fail_unseen() : fail_without_places(world->scene);
+  }
   if (result == OLX_OK) result = olx_budget_keep(world->scene, probes, set);
   if (result == OLX_OK) result = list_probes(probes, set);
   olx_release(probes);

@@ -247,7 +247,7 @@ static uint8_t along_ray(const olx_space *space, const olx_sight *sight, const o
                          reach r) {
   const float limit = sight_limit(sight, olx_dot(ray->direction, surfel->normal)), step = 0.5f * space->voxels.size;
   uint8_t found = 0;
-  for (float t = r.start + 0.25f * step; t < r.end; t += step) {
+  for (float t = r.start + 0.25f * step; t < r.end && olx_march_goes_on(t, step); t += step) {
     const size_t voxel = olx_voxel_at(&space->voxels, olx_madd(ray->origin, ray->direction, t));
     if (voxel == OLX_NO_VOXEL) continue;
     found |= space->reachable[voxel] & (OLX_REACHABLE | OLX_ALLOWED);
@@ -265,11 +265,13 @@ static bool is_near_space(const olx_space *space, olx_vec3 p) {
   return false;
 }
 
-// Finds from where the surfel is seen, along lines of sight to positions spread over the space that matters.
+// Finds from where the surfel is seen, along lines of sight to positions spread over the space that matters; from
+// nowhere when a tile has none.
 static uint8_t look_from_space(const asker *a, const olx_surfel *surfel, uint32_t seed) {
   const olx_space *space = a->space;
   olx_ray rays[MOST_RAYS];
   olx_ray_hit hits[MOST_RAYS];
+  if (space->place_count == 0) return 0;
   for (uint32_t i = 0; i < MOST_RAYS; i++) {
     const size_t at = (size_t)(((uint64_t)olx_hash2(seed, i) * space->place_count) >> 32);
     const olx_vec3 way = olx_sub(olx_voxel_centre(&space->voxels, space->places[at]), surfel->position);
@@ -460,7 +462,7 @@ static bool pick_place(const olx_space *space, const olx_sight *sight, const olx
   const float limit = olx_min(r.end, sight_limit(sight, olx_dot(ray->direction, surfel->normal)));
   const float step = 0.5f * space->voxels.size;
   uint32_t fit = 0;
-  for (float t = r.start + 0.25f * step; t < limit; t += step) {
+  for (float t = r.start + 0.25f * step; t < limit && olx_march_goes_on(t, step); t += step) {
     const olx_vec3 p = olx_madd(ray->origin, ray->direction, t);
     const size_t voxel = olx_voxel_at(&space->voxels, p);
     if (voxel == OLX_NO_VOXEL || !(space->reachable[voxel] & OLX_ALLOWED)) continue;

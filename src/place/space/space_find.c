@@ -56,7 +56,7 @@ static bool clip(const olx_world *w, olx_vec3 origin, olx_vec3 direction, float 
 
 // Floods from every free voxel that a camera outside the box sees.
 static uint64_t enter_by_looking(olx_world *w, const olx_camera *camera) {
-  const float size = w->lattice.size;
+  const float step = 0.5f * w->lattice.size;
   uint64_t flooded = 0;
   for (uint32_t i = 0; i < OLX_LOOKS; i++) {
     const olx_vec3 direction = olx_look_direction(camera, i);
@@ -65,7 +65,7 @@ static uint64_t enter_by_looking(olx_world *w, const olx_camera *camera) {
     const olx_ray ray = {camera->eye, direction, 0.0f, INFINITY};
     const olx_ray_hit hit = olx_bvh_intersect(w->scene->bvh, &ray);
     if (hit.triangle != OLX_NO_HIT) leave = olx_min(leave, hit.t);
-    for (float t = enter + 0.25f * size; t < leave; t += 0.5f * size) {
+    for (float t = enter + 0.5f * step; t < leave && olx_march_goes_on(t, step); t += step) {
       uint32_t voxel[3];
       if (olx_world_at(w, olx_madd(camera->eye, direction, t), voxel)) flooded += olx_world_flood(w, voxel);
     }

@@ -48,6 +48,9 @@ static inline olx_vec3 olx_voxel_centre(const olx_voxels *v, size_t index) {
   return olx_madd(v->low, olx_v3((float)c[0] + 0.5f, (float)c[1] + 0.5f, (float)c[2] + 0.5f), v->size);
 }
 
+// Returns whether a march can go on from t by a step: far from where it began, a step may be less than a float resolves.
+static inline bool olx_march_goes_on(float t, float step) { return t + step > t; }
+
 // Returns the distance in metres from the voxel's centre to the nearest solid voxel's centre; the surface itself is at
 // most size * sqrt(3) / 2 nearer or farther. Infinite without solid voxels.
 static inline float olx_voxel_distance(const olx_voxels *v, size_t index) {

@@ -173,29 +173,40 @@ typedef struct bake_command {
 
 enum { DEVICE_CPU, DEVICE_VULKAN };
 
+// Returns whether a bake fits, or says why a limit on its memory is too low for it.
+static bool is_within_limit(const olx_bake_settings *settings, const olx_bake_memory *memory, char *why,
+                            size_t size_bytes) {
+  const uint64_t limit = settings->memory_limit_bytes;
+  if (!limit || memory->least_bytes == UINT64_MAX || limit >= memory->least_bytes) return true;
+  snprintf(why, size_bytes, "a limit of %.0f MB of memory is too low: this bake needs %.0f MB at least",
+           (double)limit * 1e-6, (double)memory->least_bytes * 1e-6);
+  return false;
+}
+
 // Prints sizes and time of a bake without running it. The exit code and the last line report a bake that does not fit.
 static int plan_bake(const olx_scene *scene, const bake_command *c, const char *path) {
   const olx_bake_settings *settings = &c->given.settings;
   olx_bake_sizes sizes;
-  const olx_result fits = olx_bake_measure(scene, settings, path, &sizes);
-  if (fits != OLX_OK && !sizes.probes) return library_failure("bake");
+  bool fits = olx_bake_measure(scene, settings, path, &sizes) == OLX_OK;
+  if (!fits && !sizes.probes) return library_failure("bake");
   char why[1024] = "";
-  if (fits != OLX_OK) snprintf(why, sizeof why, "%s", olx_last_error());
+  if (!fits) snprintf(why, sizeof why, "%s", olx_last_error());
   progress_line line;
   double seconds;
   progress_begin(&line, "bake", c->progress == 1);
   const olx_progress progress = progress_of(&line);
   olx_bake_memory memory = {UINT64_MAX, UINT64_MAX}; // unknown
   olx_result result = OLX_OK;
-  if (fits == OLX_OK) result = olx_bake_measure_memory(scene, settings, path, &progress, &memory);
+  if (fits) result = olx_bake_measure_memory(scene, settings, path, &progress, &memory);
+  fits = fits && is_within_limit(settings, &memory, why, sizeof why);
   if (result == OLX_OK) result = olx_bake_estimate_seconds(scene, settings, &progress, &seconds);
   progress_end(&line);
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "interrupted");
   if (result != OLX_OK) return library_failure("bake");
   int code = EXIT_DONE;
-  if (c->json) code = print_plan_json(settings, &sizes, &memory, seconds, fits == OLX_OK);
+  if (c->json) code = print_plan_json(settings, &sizes, &memory, seconds, fits);
   else print_plan(path, settings, &sizes, &memory, seconds);
-  return fits == OLX_OK ? code : failure("bake", "%s", why);
+  return fits ? code : failure("bake", "%s", why);
 }
 
 // Prints where a bake stores its results, before it begins.

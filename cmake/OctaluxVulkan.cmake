@@ -5,7 +5,7 @@ set(OLX_VULKAN_TOOLS ON)
 if(NOT OLX_VULKAN_HEADERS OR NOT OLX_GLSLC)
   set(OLX_VULKAN_TOOLS OFF)
 endif()
-option(OCTALUX_VULKAN "The Vulkan runtime; needs glslc and Vulkan's headers" ${OLX_VULKAN_TOOLS})
+olx_optional_part(OCTALUX_VULKAN "The Vulkan runtime; needs glslc and Vulkan's headers" ${OLX_VULKAN_TOOLS})
 if(OCTALUX_VULKAN AND NOT OLX_VULKAN_TOOLS)
   message(FATAL_ERROR "OCTALUX_VULKAN needs glslc and vulkan/vulkan_core.h (Debian: glslc, libvulkan-dev); "
                       "-DOCTALUX_VULKAN=OFF builds without the Vulkan runtime")

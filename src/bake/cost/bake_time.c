@@ -74,6 +74,7 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
   sample.probes = NULL;
   sample.select_mask = 1u << OLX_SELECT_CAGE;
   sample.measure_embree = false;
+  sample.memory_limit_bytes = 0;
   sample.work = (olx_bake_work){0};
   sample.grid =
       settings->probes ? sample_probes(settings->probes, settings->probe_count) : sample_grid(&settings->grid);

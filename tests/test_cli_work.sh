@@ -154,4 +154,32 @@ cmp -s limited.olx whole.olx || fail "another field with a bound"
 printf 'the old field' >old.olx
 complains 1 "more than the 107374 bytes that the work folder may take" bake "${scene[@]}" --work limited --part 1/1 --work-limit 0.0001
 
+# A part writes no field, so that the folder in which it runs needs no room for one.
+(cd /proc && "$OCTALUX" bake "${scene[@]}" --work "$folder/elsewhere" --part 1/1) >stdout.txt 2>stderr.txt ||
+  fail "a part needs room where it runs"
+
+# A whole bake makes a damaged link of the light again, even if only relighting reads it.
+expect 0 bake "${scene[@]}" -o relight.olx --relight --work lit --keep-work
+rm -f lit/relight-* lit/probe-*
+printf 'X' | dd of=lit/cast-0-0.unit bs=1 seek=66 conv=notrunc 2>/dev/null
+expect 0 bake "${scene[@]}" -o again.olx --relight --work lit
+cmp -s again.olx relight.olx || fail "another field after damage to links"
+
+# Where every probe is buried, there is no light to keep, and bakes resume all the same.
+python3 - <<'END'
+corners = [(x, y, z) for z in (0, 2) for y in (0, 2) for x in (0, 2)]
+faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+open("cube.obj", "w").write("".join("v %d %d %d\n" % c for c in corners) +
+                            "".join("f %d %d %d %d\n" % tuple(1 + i for i in face) for face in faces))
+open("cube.json", "w").write('{"model": "cube.obj", "cameras": [{"name": "out", "eye": [5, 1, 1], "target": [1, 1, 1]}],'
+                             '"lights": [{"type": "sun", "direction": [0, -1, 0], "irradiance": [1, 1, 1]}]}')
+open("buried.json", "w").write('{"probes": [{"position": [1, 1, 1]}]}')
+END
+buried=(cube.json --probes buried.json --radiance-size 16 --noise 0.3 --relight)
+expect 0 bake "${buried[@]}" -o buried.olx --work dark --keep-work
+expect 0 bake "${buried[@]}" -o again.olx --work dark --keep-work
+cmp -s again.olx buried.olx || fail "another field where all probes are buried"
+expect 0 join dark -o again.olx
+cmp -s again.olx buried.olx || fail "joining makes another field where all probes are buried"
+
 exit "$((failures > 0))"

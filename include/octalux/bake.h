@@ -47,7 +47,8 @@ typedef struct olx_bake_work {
                         // bake also accepts a folder of the same settings whose scene was edited since, and reuses
                         // what still holds
   uint64_t limit_bytes; // the most for all results: beyond it, and where the disk is full, a whole bake stores no more,
-                        // with a warning, and a part fails with OLX_ERROR_FILE; 0, the default: no limit
+                        // with a warning, and a part fails with OLX_ERROR_FILE. A part counts what it found when it
+                        // began and what it stores itself. 0, the default: no limit
   uint32_t part, parts; // compute the share `part`, from 1 to `parts`, of the units whose inputs exist, and write no
                         // field, in a `folder` and not with `fresh`; 0, the default: a whole bake
   // Receives each finished unit, on the thread that bakes; NULL, the default: not wanted.

@@ -265,13 +265,33 @@ static olx_result go_on(olx_bake_run *b, olx_result result) {
   return OLX_OK;
 }
 
+// Has the later stages read the solved light.
+static void use_light(olx_bake_run *b) {
+  if (olx_bake_is_solved(b->context.settings)) b->gather.light = b->shade.light = b->light;
+  b->surfaces.light = b->light;
+}
+
+// Stores the links of the light for relighting. A damaged one was discarded with the steps of the light after it; a
+// whole bake computes these again.
+static olx_result keep_links(olx_bake_run *b) {
+  const olx_result result = olx_bake_relight(b);
+  if (result != OLX_ERROR_INCOMPLETE || olx_unit_store_is_part(b->store) || !b->light) return result;
+  olx_relight_bake_free(&b->relight);
+  b->relight = (olx_relight_bake){0};
+  olx_scene_light_free(b->light);
+  b->light = NULL;
+  OLX_TRY(solve_light(b));
+  use_light(b);
+  return olx_bake_relight(b);
+}
+
 // Runs the stages that read the solved light.
 static olx_result run_probes(olx_bake_run *b) {
   OLX_TRY(go_on(b, olx_bake_facts(b)));
   OLX_TRY(go_on(b, olx_volume_bake_write(&b->volume, b->light, b->store, b->writer, &b->stats)));
   OLX_TRY(go_on(b, olx_bake_irradiance(b, gather_light)));
   OLX_TRY(go_on(b, olx_bake_classic(b)));
-  OLX_TRY(go_on(b, olx_bake_relight(b)));
+  OLX_TRY(go_on(b, keep_links(b)));
   OLX_TRY(go_on(b, olx_bake_probes(b)));
   return b->incomplete ? olx_bake_await(b) : OLX_OK;
 }
@@ -287,8 +307,7 @@ static olx_result run(olx_bake_run *b, const char *path) {
   OLX_TRY(olx_capture_create(&b->capture));
   if (s->classic) OLX_TRY(olx_classic_bake_create(&b->classic));
   OLX_TRY(solve_light(b));
-  if (olx_bake_is_solved(s)) b->gather.light = b->shade.light = b->light;
-  b->surfaces.light = b->light;
+  use_light(b);
   b->bounces = s->bounces;
   OLX_TRY(olx_surface_capture_create(&b->surfaces));
   b->stats.primary_rays = b->context.probes.light_field.count * olx_capture_units(&b->capture);
@@ -358,9 +377,9 @@ static olx_bake_settings without_idle_spacings(const olx_bake_settings *settings
   return used;
 }
 
-// path: of the field; NULL for a part, which writes none.
+// path: of the field; NULL for a part, which writes none, and whose messages name its folder.
 static olx_result check_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path) {
-  OLX_TRY(olx_bake_check_machine(scene, settings, path ? path : ""));
+  OLX_TRY(olx_bake_check_machine(scene, settings, path ? path : settings->work.folder));
   return path ? olx_output_check(path, false) : OLX_OK;
 }
 

@@ -57,11 +57,12 @@ static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
   if (s->probes) olx_bytes_put(to, s->probes, s->probe_count, sizeof *s->probes);
 }
 
-// Adds the views that limit where the viewer can be: results depend on them, but a scene's hash does not include them.
+// Adds the views and pinned probes that say where the viewer can be: results depend on them, but a scene's hash does
+// not include them.
 static void put_views(olx_byte_writer *to, const olx_scene *scene) {
   const olx_probe_rules *rules = &scene->probe_rules;
-  const uint32_t flags[] = {scene->camera_count, scene->has_probe_volume, rules->has_playable};
-  olx_bytes_put(to, flags, 3, sizeof *flags);
+  const uint32_t flags[] = {scene->camera_count, scene->has_probe_volume, rules->has_playable, rules->pinned_count};
+  olx_bytes_put(to, flags, sizeof flags / sizeof *flags, sizeof *flags);
   for (uint32_t i = 0; i < scene->camera_count; i++) {
     const olx_camera *camera = &scene->cameras[i];
     const olx_vec3 view[] = {camera->eye, camera->target, camera->up, olx_splat(camera->fov_y_degrees)};
@@ -70,6 +71,7 @@ static void put_views(olx_byte_writer *to, const olx_scene *scene) {
   if (scene->has_probe_volume) olx_bytes_put(to, &scene->probes_min, 1, sizeof scene->probes_min);
   if (scene->has_probe_volume) olx_bytes_put(to, &scene->probes_max, 1, sizeof scene->probes_max);
   if (rules->has_playable) olx_bytes_put(to, &rules->playable, 1, sizeof rules->playable);
+  olx_bytes_put(to, rules->pinned, rules->pinned_count, sizeof *rules->pinned);
 }
 
 static void add_hashed(olx_manifest *manifest, const char *name, olx_byte_writer *bytes) {

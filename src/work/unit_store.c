@@ -55,7 +55,7 @@ olx_result olx_unit_store_open(const olx_unit_store_settings *settings, olx_unit
 }
 
 void olx_unit_store_tidy(olx_unit_store *s) {
-  if (s && olx_work_folder_edited(s->folder)) olx_work_folder_tidy(s->folder);
+  if (s) olx_work_folder_tidy(s->folder);
 }
 
 void olx_unit_store_close(olx_unit_store *s, bool remove) {

@@ -1,6 +1,7 @@
 // Finds how much memory and disk space there is, from Linux; where Linux does not report it, no bake is refused.
 #include "bake/cost/available.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -30,11 +31,32 @@ static uint64_t machine_memory(void) {
   return bytes;
 }
 
+// Returns the bytes of files that the control group holds in memory, and that give way to programs.
+static uint64_t cached_files(const char *folder) {
+  char path[PATH_MAX], line[128];
+  unsigned long long bytes, sum = 0;
+  snprintf(path, sizeof path, "%s/memory.stat", folder);
+  FILE *file = fopen(path, "r");
+  while (file && fgets(line, sizeof line, file)) {
+    if (sscanf(line, "active_file %llu", &bytes) == 1 || sscanf(line, "inactive_file %llu", &bytes) == 1) sum += bytes;
+  }
+  if (file) fclose(file);
+  return sum;
+}
+
+uint64_t olx_available_to_group(const char *folder) {
+  char path[PATH_MAX];
+  snprintf(path, sizeof path, "%s/memory.max", folder);
+  const uint64_t most = number_in(path);
+  snprintf(path, sizeof path, "%s/memory.current", folder);
+  const uint64_t used = number_in(path), cached = cached_files(folder);
+  if (most == UINT64_MAX || used == UINT64_MAX) return UINT64_MAX;
+  const uint64_t kept = used > cached ? used - cached : 0;
+  return kept < most ? most - kept : 0;
+}
+
 uint64_t olx_available_memory(void) {
-  const uint64_t machine = machine_memory(), most = number_in("/sys/fs/cgroup/memory.max");
-  const uint64_t used = number_in("/sys/fs/cgroup/memory.current");
-  if (most == UINT64_MAX || used == UINT64_MAX) return machine;
-  const uint64_t group = used < most ? most - used : 0;
+  const uint64_t machine = machine_memory(), group = olx_available_to_group("/sys/fs/cgroup");
   return group < machine ? group : machine;
 }
 

@@ -1,8 +1,8 @@
 // Computes the size of a bake's files and memory before it begins, from the code that lays out and allocates them, and
 // refuses a bake that does not fit the machine.
 #include "bake/bake_run.h"
-#include "bake/bake_work.h"
 #include "bake/bake_settings.h"
+#include "bake/bake_work.h"
 #include "bake/cost/available.h"
 #include "core/parallel.h"
 #include "core/result.h"
@@ -150,7 +150,8 @@ static olx_bake_sizes sizes_of(const olx_bake_run *b, const olx_field_header *he
                           .work_bytes = work_of(b, &layout),
                           .rays = olx_bake_units(b),
                           .available_memory_bytes = olx_available_memory(),
-                          .available_disk_bytes = olx_available_disk(path)};
+                          .available_disk_bytes =
+                              b->context.settings->work.parts ? UINT64_MAX : olx_available_disk(path)};
 }
 
 olx_result olx_bake_measure(const olx_scene *scene, const olx_bake_settings *settings, const char *path,

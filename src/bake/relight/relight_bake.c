@@ -306,6 +306,12 @@ olx_result olx_relight_bake_load(olx_relight_bake *b, olx_byte_reader *from) {
   return from->failed ? olx_fail(OLX_ERROR_FORMAT, "relight: a result does not hold what it should") : OLX_OK;
 }
 
+// Returns where the links of each place begin, and where the last place's end.
+static const uint32_t *starts_of(const olx_relight_rows *rows, uint32_t count) {
+  static const uint32_t zero;
+  return count ? rows->starts : &zero;
+}
+
 static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
   for (uint32_t i = 0; i < count; i++) {
     const olx_relight_link link = {rows->links[i].from, rows->links[i].weight};
@@ -315,24 +321,23 @@ static void put_links(const olx_relight_rows *rows, uint32_t count, output *o) {
 
 static olx_relight_header header_of(const olx_relight_bake *b) {
   return (olx_relight_header){.surfels = b->surfel_count,
-                              .links = b->surfels.starts[b->surfel_count],
+                              .links = row_links(&b->surfels, b->surfel_count),
                               .sites = b->sites.site_count,
                               .entries = b->sites.entry_count,
-                              .volume_links = b->volume_count ? b->volume.starts[b->volume_count] : 0,
+                              .volume_links = row_links(&b->volume, b->volume_count),
                               .blocks = b->sites.block_count,
                               .volume_probes = b->volume_count};
 }
 
 static void put_all(const olx_relight_bake *b, const olx_relight_header *h, output *o) {
-  static const uint32_t zero;
   put(o, h, sizeof *h);
   put(o, b->stored, h->surfels * sizeof *b->stored);
-  put(o, b->surfels.starts, (h->surfels + (size_t)1) * sizeof zero);
+  put(o, starts_of(&b->surfels, h->surfels), (h->surfels + (size_t)1) * sizeof(uint32_t));
   put_links(&b->surfels, h->links, o);
   put(o, b->sites.blocks, h->blocks * sizeof *b->sites.blocks);
-  put(o, b->sites.starts, (h->sites + (size_t)1) * sizeof zero);
+  put(o, b->sites.starts, (h->sites + (size_t)1) * sizeof(uint32_t));
   put(o, b->sites.entries, h->entries * sizeof *b->sites.entries);
-  put(o, b->volume_count ? b->volume.starts : &zero, (h->volume_probes + (size_t)1) * sizeof zero);
+  put(o, starts_of(&b->volume, h->volume_probes), (h->volume_probes + (size_t)1) * sizeof(uint32_t));
   put(o, b->volume.links, h->volume_links * sizeof *b->volume.links);
 }
 

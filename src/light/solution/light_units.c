@@ -460,6 +460,9 @@ static olx_result resume(olx_scene_light *l, uint32_t *step) {
     const olx_unit_stage stage = step_of(l, *step);
     const olx_result result = olx_units_load(store, &stage);
     if (result != OLX_ERROR_INCOMPLETE) return result;
+    if (olx_units_have(store, &stage)) {
+      return olx_fail(OLX_ERROR_FILE, "light: the result of step %u is damaged and cannot be removed", *step);
+    }
   }
   const olx_unit_stage first = step_of(l, 0);
   return olx_unit_once(store, &first);

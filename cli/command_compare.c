@@ -60,7 +60,7 @@ static int compare_layers(comparison *c) {
 static int draw_flip_map(const comparison *c) {
   const layer_errors *errors = &c->layers[drawn_layer(c)];
   if (!errors->flip_map) {
-    return failure("compare", "%s: there is no layer %s to look at in both", c->flip_map,
+    return failure("compare", "%s: there is no layer %s of colours to look at in both", c->flip_map,
                    olx_layer_name(drawn_layer(c)));
   }
   const olx_result result = olx_flip_map_save(errors->flip_map, c->images[0].width, c->images[0].height, c->flip_map);

@@ -156,6 +156,7 @@ int command_export_web(int argc, char **argv) {
   int code;
   if (!parse_options(&line, argc, argv, &code)) return code;
   e.scene = line.given[0];
+  if (strcmp(e.folder, "-") == 0) return usage_error(COMMAND, "-o: a page is a folder, which '-' cannot be");
   code = find_page(&e);
   if (code != EXIT_DONE) return code;
   olx_scene *scene = NULL;

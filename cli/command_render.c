@@ -126,7 +126,8 @@ static int check_options(render_options *o) {
     return usage_error("render", o->method == OLX_METHOD_FIELD ? "--method field needs --field FILE.olx"
                                                                : "--method classic needs --field FILE.olx");
   }
-  if (o->method == OLX_METHOD_CLASSIC && (o->mode != NOT_GIVEN || o->diffuse == OLX_DIFFUSE_TRACED || o->emitters)) {
+  const bool traces = o->diffuse == OLX_DIFFUSE_TRACED || o->emitters;
+  if ((o->method != OLX_METHOD_FIELD && o->mode != NOT_GIVEN) || (o->method == OLX_METHOD_CLASSIC && traces)) {
     return usage_error("render", "--mode, --diffuse traced and --emitters traced go with --method field");
   }
   if (o->relight && o->method != OLX_METHOD_FIELD) {

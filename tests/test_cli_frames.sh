@@ -51,6 +51,7 @@ expect_usage "\-\-cut goes with" render $scene -o a.exr "${field[@]}" --mode den
 expect_usage "less than --frames" render $scene -o a.exr "${field[@]}" --frames 3 --from-camera lit --cut 3
 expect_usage "needs traced diffuse light" render $scene -o a.exr "${field[@]}" --mode prefiltered --emitters traced
 expect_usage "needs traced diffuse light" render $scene -o a.exr "${field[@]}" --diffuse surface --emitters traced
-expect_usage "goes with --method field" render $scene -o a.exr --method path --mode denoised
+expect_usage "go with --method field" render $scene -o a.exr --method path --mode denoised
+expect_usage "go with --method field" render $scene -o a.exr --mode gather
 expect_failure "no camera named \"x\"" render $scene -o a.exr "${field[@]}" --frames 3 --from-camera x
 finish

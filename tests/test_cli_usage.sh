@@ -87,6 +87,7 @@ cmp -s all.txt stdout.txt || fail "octalux help bake all is not octalux bake --h
 expect 0 help export exr
 grep -q "^usage: octalux export exr" stdout.txt || fail "octalux help export exr prints no usage"
 expect_usage "unknown command 'paint'" help paint
+expect_usage "a page is a folder, which '-' cannot be" export web builtin:cornell --field a.olx -o -
 
 # Manual pages and completion have every option, those of research as well.
 for command in scene place bake render compare audit info verify pack unpack "export exr" "export gltf" "export ktx2" "export web"; do

@@ -14,7 +14,14 @@ static const olx_light LAMP = {
 static gpu_device device;
 static scene_folder folder;
 static olx_scene *scene;
-static olx_field *field;
+static olx_field *field, *finer;
+
+static void bake(const char *name, const olx_bake_settings *settings, olx_field **made) {
+  char path[400];
+  snprintf(path, sizeof path, "%s/%s", folder.path, name);
+  ASSERT_OK(olx_bake(scene, settings, path, NULL, NULL));
+  ASSERT_OK(olx_field_open(path, made));
+}
 
 // Makes a dark box whose field can be relit: its 64 x 64 texels are four tiles.
 static int set_up(void **unused) {
@@ -31,10 +38,10 @@ static int set_up(void **unused) {
   settings.noise = 0.1f;
   settings.volume_cells = 4;
   settings.relight = true;
-  char path[400];
-  snprintf(path, sizeof path, "%s/box.olx", folder.path);
-  ASSERT_OK(olx_bake(scene, &settings, path, NULL, NULL));
-  ASSERT_OK(olx_field_open(path, &field));
+  bake("box.olx", &settings, &field);
+  settings.radiance_size = 128; // with as many volume probes
+  bake("finer.olx", &settings, &finer);
+  assert_int_equal(olx_field_describe(field).volume.probe_count, olx_field_describe(finer).volume.probe_count);
   return 0;
 }
 
@@ -42,6 +49,7 @@ static int tear_down(void **unused) {
   (void)unused;
   if (!device.host.device) return 0;
   olx_field_close(field);
+  olx_field_close(finer);
   olx_scene_free(scene);
   scene_folder_remove(&folder);
   return host_close_device(&device);
@@ -93,6 +101,7 @@ static void follow(olx_relight *relight, olx_vulkan_field *uploaded, uint32_t by
   for (uint64_t waiting = stats.waiting_bytes; waiting > 0; waiting = stats.waiting_bytes) {
     stats = copy_once(update);
     assert_true(stats.bytes > 0 && stats.bytes <= most);
+    if (bytes == 1) assert_true(stats.tiles <= 1); // one piece alone
     assert_int_equal(stats.bytes + stats.waiting_bytes, waiting);
   }
   assert_int_equal(copy_once(update).bytes, 0);
@@ -155,6 +164,10 @@ static void what_does_not_fit_is_refused(void **unused) {
   assert_non_null(strstr(olx_last_error(), "number or size"));
   olx_vulkan_field_destroy(another);
   analytic_field_free(other);
+  another = upload(finer);
+  assert_int_equal(olx_vulkan_update_create(another, relight, &good, &update), OLX_ERROR_ARGUMENT);
+  assert_non_null(strstr(olx_last_error(), "number or size"));
+  olx_vulkan_field_destroy(another);
   olx_vulkan_update_destroy(NULL);
   olx_vulkan_field_destroy(uploaded);
   olx_relight_free(relight);

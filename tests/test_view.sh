@@ -98,4 +98,7 @@ check 'not uniform(p[0]) and p[0].width == 120' octalux-001.png
 check 'not uniform(p[0]) and p[0].width == 120' left.png # the last frame, though not the hundredth
 # Shaders are compiled for the first picture, and for the first overlay.
 [ "$(grep -c "^compiling shaders ...$" stderr.txt)" = 2 ] || fail "not told twice that shaders are compiled"
+printf 'resize 0x0\nscreenshot nothing.png\n' >hidden.txt
+expect_failure "nothing.png: the frame has no pixels" "${view[@]}" --script hidden.txt --frames 3
+[ -e nothing.png ] && fail "a picture of no pixels"
 finish

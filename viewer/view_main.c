@@ -247,8 +247,7 @@ static bool run(viewer *v) {
     current_size(v, size);
     const bool visible = size[0] > 0 && size[1] > 0;
     if (visible && !draw(v, size, seconds, screenshot)) return false;
-    if (!visible && last && o->screenshot)
-      return failure("view", "%s: the last frame has no pixels", o->screenshot) == EXIT_DONE;
+    if (!visible && screenshot) return failure("view", "%s: the frame has no pixels", screenshot) == EXIT_DONE;
   }
   return true;
 }

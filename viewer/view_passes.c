@@ -155,6 +155,11 @@ void view_passes_attach(gpu_device *d, view_passes *p, const frame_images *image
   gpu_set_write(d, &p->set, bindings, VIEW_BINDINGS);
 }
 
+// Returns the pixel at a share of the picture's side, or the nearest one: a hidden cursor may be anywhere.
+static float pixel_of(float share, uint32_t side) {
+  return fmaxf(0.0f, fminf(floorf(share * (float)side), (float)side - 1.0f));
+}
+
 static view_gpu_push make_push(const view_frame *f, const float matrix[16]) {
   const view_state *s = f->state;
   const uint32_t width = f->images->width, height = f->images->height;
@@ -171,8 +176,7 @@ static view_gpu_push make_push(const view_frame *f, const float matrix[16]) {
                         .select = s->select,
                         .probe = s->probe,
                         .exposure = s->exposure,
-                        .pick = {fminf(floorf(s->pick[0] * (float)width), (float)width - 1.0f),
-                                 fminf(floorf(s->pick[1] * (float)height), (float)height - 1.0f)},
+                        .pick = {pixel_of(s->pick[0], width), pixel_of(s->pick[1], height)},
                         .radius = s->probe_radius,
                         .scale = (float)width / (float)f->width};
   memcpy(push.matrix, matrix, sizeof push.matrix);

@@ -93,7 +93,7 @@ def _grid(scene: Scene, value: Any) -> native.Grid:
 def place(scene: Scene, method: str = "cover", *, grid: Any = None, progress: Progress | None = None, **settings: Any) -> Probes:
     """Find positions from which a scene's surfaces are seen.
 
-    method: "grid", "sdf", "medial" or "cover". grid: three counts, for "grid"; default: the scene's. Further settings are the members
+    method: "grid", "sdf", "medial" or "cover". grid: three counts, for "grid" and "cover"; default: the scene's. Further settings are the members
     of olx_place_settings (include/octalux/place.h): count, coverage, budget_mb, views, resolution=512, optimize="none" or "gradient"
     or "gibbs", rounds, surfels, candidates, voxel_size, voxels, seed, threads, ... The same scene and settings give the same probes. Raises Error.
     """

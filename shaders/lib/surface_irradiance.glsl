@@ -354,7 +354,7 @@ olx_surface_light olx_surface_light_at(olx_sample_settings settings, vec3 positi
 }
 
 // Returns the indirect irradiance in W/m^2 anywhere in free space, for moving objects, as olx_volume_irradiance in
-// octalux/sample.h describes. In a field whose lights have changed since it was baked, use olx_irradiance.
+// octalux/sample.h describes.
 vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
   bool finite = olx_finite(position) && olx_finite(normal);
   vec3 irradiance = vec3(0.0);
@@ -366,8 +366,8 @@ vec3 olx_volume_irradiance(vec3 position, vec3 normal) {
 }
 
 // Returns the indirect irradiance in W/m^2 on a static surface, from the light that the field stores for surfaces, as
-// olx_surface_irradiance in octalux/sample.h describes. For moving objects use olx_volume_irradiance, and in a field
-// whose lights have changed since it was baked olx_irradiance.
+// olx_surface_irradiance in octalux/sample.h describes. For moving objects use olx_volume_irradiance. Relighting renews
+// what both read, and not the irradiance probes of olx_irradiance.
 vec3 olx_surface_irradiance(olx_sample_settings settings, vec3 position, vec3 geometric_normal, vec3 shading_normal,
                             vec3 view) {
   return olx_surface_light_at(settings, position, geometric_normal, geometric_normal, shading_normal, view).irradiance;

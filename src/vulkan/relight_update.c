@@ -211,15 +211,16 @@ static void copy_unit(update_call *call, uint32_t unit, olx_vulkan_update_stats 
 }
 
 // Visits every unit once, from the one where the last call stopped, and copies what has changed; what does not fit
-// waits for the next call.
+// waits for the next call. The first to be copied always fits.
 static void copy_changes(update_call *call, olx_vulkan_update_stats *stats) {
   olx_vulkan_update *u = call->update;
+  const uint32_t budget = aligned(u->settings.bytes);
   uint32_t first_left = UINT32_MAX;
   for (uint32_t i = 0; i < u->units; i++) {
     const uint32_t unit = (u->next + i) % u->units;
     if (changed_frame(u, unit) == u->copied[unit]) continue;
     const uint32_t bytes = unit_bytes(u, unit);
-    if (first_left != UINT32_MAX || u->used + bytes > u->slot_bytes) {
+    if (first_left != UINT32_MAX || (u->used > 0 && u->used + bytes > budget)) {
       if (first_left == UINT32_MAX) first_left = unit;
       stats->waiting_bytes += bytes;
       continue;

@@ -322,7 +322,8 @@ static olx_result create_sampler(const olx_vulkan_context *c, VkFilter filter, V
 bool olx_gpu_field_relights(const olx_vulkan_field *gpu, const olx_field *field) {
   const olx_gpu_maps *maps = &gpu->maps[OLX_BINDING_INDIRECT - OLX_BINDING_RADIANCE];
   const VkDeviceSize volume = sizeof(uint16_t) * OLX_VOLUME_HALVES * (VkDeviceSize)field->info.volume.probe_count;
-  return maps->count == field->info.probes.count && !maps->pooled && gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
+  return maps->count == field->info.probes.count && gpu->constants.n == field->n && !maps->pooled &&
+         gpu->words[OLX_WORDS_VOLUME_LIGHT].bytes == volume;
 }
 
 static VkDescriptorType binding_type(uint32_t binding) {

@@ -580,6 +580,7 @@ static void test_refuses_settings_and_lights(void **state) {
   REFUSED(type = (olx_light_type)6);
   REFUSED(emission.y = NAN);
   REFUSED(emission.y = -1.0f);
+  REFUSED(emission.x = 2.0f * OLX_MOST_EMISSION);
   REFUSED(direction = olx_splat(0.0f));
   REFUSED(direction.x = INFINITY);
   REFUSED(type = OLX_LIGHT_SPOT; light.cosine_inner = 1.5f);

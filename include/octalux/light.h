@@ -19,13 +19,17 @@ typedef enum olx_light_type {
   OLX_LIGHT_SKY       // the same radiance from wherever a ray meets nothing
 } olx_light_type;
 
+// The greatest emission of a light or of a surface, in any of the units below. Sums and squares of light beyond it could
+// overflow.
+#define OLX_MOST_EMISSION 1e20f
+
 // A light. There are no defaults: all members that its type uses must be set. The others have no meaning and must be
 // finite; 0 will do.
 typedef struct olx_light {
   olx_light_type type;
   olx_vec3 position;  // metres; of point and spot; a corner of rect and triangle
   olx_vec3 direction; // of travel, unit; of sun and spot
-  // Linear Rec.709, finite, at least 0. Sun: irradiance on a surface that faces it, W/m^2; point and spot: radiant
+  // Linear Rec.709, 0 to OLX_MOST_EMISSION. Sun: irradiance on a surface that faces it, W/m^2; point and spot: radiant
   // intensity, W/sr; rect, triangle and sky: radiance, W/(sr m^2).
   olx_vec3 emission;
   // Of a spot, -1 <= outer <= inner <= 1: all its light inside the inner cone, none outside the outer, and between them

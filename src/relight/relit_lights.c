@@ -30,6 +30,7 @@ static bool is_light(const olx_light *l) {
                       olx_finite(l->edge_u) && olx_finite(l->edge_v);
   if ((uint32_t)l->type > OLX_LIGHT_SKY || !finite) return false;
   if (l->emission.x < 0.0f || l->emission.y < 0.0f || l->emission.z < 0.0f) return false;
+  if (olx_max3(l->emission) > OLX_MOST_EMISSION) return false;
   if (l->type == OLX_LIGHT_SUN || l->type == OLX_LIGHT_SPOT) {
     if (fabsf(olx_length(l->direction) - 1.0f) > 1e-3f) return false;
   }

@@ -19,7 +19,8 @@ typedef struct cooked_file {
 static bool within(float value, float low, float high) { return value >= low && value <= high; }
 
 static bool is_light(olx_vec3 v) {
-  return within(v.x, 0.0f, 1e20f) && within(v.y, 0.0f, 1e20f) && within(v.z, 0.0f, 1e20f);
+  return within(v.x, 0.0f, OLX_MOST_EMISSION) && within(v.y, 0.0f, OLX_MOST_EMISSION) &&
+         within(v.z, 0.0f, OLX_MOST_EMISSION);
 }
 
 static bool is_unit(olx_vec3 n) { return fabsf(olx_dot(n, n) - 1.0f) < 2e-3f; }

@@ -128,7 +128,7 @@ static olx_result read_two_positions(const description *d, const place *at, cons
 static olx_result read_light_color(const description *d, const place *at, const char *key, bool required,
                                    olx_vec3 *value) {
   OLX_TRY(read_vec3(d, at, key, required, value));
-  if (value->x >= 0.0f && value->y >= 0.0f && value->z >= 0.0f && olx_max3(*value) <= 1e20f) return OLX_OK;
+  if (value->x >= 0.0f && value->y >= 0.0f && value->z >= 0.0f && olx_max3(*value) <= OLX_MOST_EMISSION) return OLX_OK;
   return fail(d, at, key, "light cannot be negative or above 1e20");
 }
 

@@ -43,7 +43,7 @@ static bool repair_color(olx_vec3 *color, float high, float otherwise) {
 
 void olx_import_repair_material(olx_material_import *import, olx_material *m, bool repaired) {
   repaired |= repair_color(&m->base_color, 1.0f, 0.8f);
-  repaired |= repair_color(&m->emission, 1e20f, 0.0f);
+  repaired |= repair_color(&m->emission, OLX_MOST_EMISSION, 0.0f);
   repaired |= repair_number(&m->metallic, 0.0f, 1.0f, 0.0f);
   repaired |= repair_number(&m->roughness, 0.0f, 1.0f, 1.0f);
   repaired |= repair_number(&m->alpha, 0.0f, 1.0f, 1.0f);

@@ -34,7 +34,7 @@ else()
   # The static runtime, because the shared one does not show what the baker uses of it. Embree 3 and meshoptimizer have
   # no pkg-config files.
   set(OLX_BAKE_PC_REQUIRES "Requires: assimp draco libcjson qhull_r libwebp libzstd OpenEXR zlib")
-  set(OLX_BAKE_PC_LIBS "\${libdir}/liboctalux-bake.a \${libdir}/liboctalux.a -lembree3 -lmeshoptimizer -lstdc++ -lm -pthread")
+  set(OLX_BAKE_PC_LIBS "-L\${libdir} -l:liboctalux-bake.a -l:liboctalux.a -lembree3 -lmeshoptimizer -lstdc++ -lm -pthread")
 endif()
 set(OLX_PC_FILES octalux)
 if(OCTALUX_BAKER)

@@ -44,8 +44,8 @@ set(OLX_RUNTIME_PACKAGE liboctalux${PROJECT_VERSION_MAJOR})
 olx_package(runtime ${OLX_RUNTIME_PACKAGE} libs "the runtime, for programs that load it")
 olx_package(dev liboctalux-dev libdevel "headers, shaders and libraries to build programs with"
   DEPENDS "${OLX_RUNTIME_PACKAGE} (= ${PROJECT_VERSION})"
-  # What find_package(octalux COMPONENTS bake) looks for; the runtime needs none of it.
-  RECOMMENDS "libembree-dev, libassimp-dev, libcjson-dev, libdraco-dev, libmeshoptimizer-dev, libopenexr-dev, libqhull-dev, libwebp-dev, libzstd-dev, zlib1g-dev, pkg-config")
+  # What find_package(octalux COMPONENTS bake) looks for, and what octalux/vulkan.h includes; the runtime needs none of it.
+  RECOMMENDS "libembree-dev, libassimp-dev, libcjson-dev, libdraco-dev, libmeshoptimizer-dev, libopenexr-dev, libqhull-dev, libwebp-dev, libzstd-dev, zlib1g-dev, libvulkan-dev, pkg-config")
 olx_package(tools octalux graphics "the command line, with the baker in it" RECOMMENDS "libvulkan1, mesa-vulkan-drivers | vulkan-icd")
 if(TARGET octalux-view)
   olx_package(viewer octalux-viewer graphics "the window of octalux view"

@@ -24,8 +24,9 @@ def openjd_commands(template):
     if template["specificationVersion"] != "jobtemplate-2023-09" or set(template) - {"specificationVersion", "name", "parameterDefinitions", "steps"}:
         sys.exit("OpenJD: not a job template")
     values = {"Param." + p["name"]: p["default"] for p in template["parameterDefinitions"]}
-    if any(p["type"] != "PATH" for p in template["parameterDefinitions"]):
-        sys.exit("OpenJD: a parameter is no path")
+    # Reference tools refuse absolute defaults of the type PATH.
+    if any(p["type"] != "STRING" for p in template["parameterDefinitions"]):
+        sys.exit("OpenJD: a parameter is no string")
     seen = []
     for step in template["steps"]:
         if set(step) - {"name", "dependencies", "parameterSpace", "script"}:
@@ -86,7 +87,7 @@ def main(path, folder, scene, wanted):
     # Fewer tasks than a farm has: three, instead of sixteen.
     fewer = lambda text: text.replace('"16"', '"3"').replace("1-16", "1-3").replace("# 16<", "# 3<")
     check("OpenJD", openjd_commands(json.loads(fewer(block(page, "json", "{")))), folder, read(wanted))
-    check("OpenCue", opencue_commands(ElementTree.fromstring(fewer(block(page, "xml", "<spec>")))), folder, read(wanted))
+    check("OpenCue", opencue_commands(ElementTree.fromstring(fewer(block(page, "xml", "<?xml")))), folder, read(wanted))
     os.remove(os.path.join(folder, "part.sh"))
 
 

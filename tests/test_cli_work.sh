@@ -99,6 +99,19 @@ complains 1 "kept: another bake works in this folder" bake "${scene[@]}" -o old.
 complains 1 "kept: another bake works in this folder" join kept -o old.olx
 exec 9<&-
 
+# `join` looks beside parts at work, and leaves them the folder.
+"$OCTALUX" bake "${scene[@]}" --work beside --part 1/2 >/dev/null 2>&1
+exec 9<beside
+flock -s -n 9 || fail "cannot lock"
+complains 75 "units of the stage .* are not there yet" join beside -o old.olx
+expect 0 bake "${scene[@]}" --work beside --part 1/1
+expect 0 join beside -o joined.olx
+grep -q "beside: the work folder stays: another part works in it" stderr.txt || fail "no word of the part at work"
+cmp -s joined.olx whole.olx || fail "another field beside a part at work"
+exec 9<&-
+expect 0 join beside -o joined.olx
+[ -e beside ] && fail "joining left the folder"
+
 # interrupted FOLDER ARGUMENTS...: interrupts a bake once it has begun to keep results.
 interrupted() {
   local kept=$1 code=0

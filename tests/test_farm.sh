@@ -12,8 +12,8 @@ quick() { sed "s/builtin:temple --grid 8x8x8/$scene/; s/sleep [0-9]*/sleep 0.1/"
 
 octalux bake $scene --isa avx2 -o whole.olx >/dev/null
 sed -n '/^#!\/bin\/bash$/,/^```$/{/^```/!p}' "$page" | quick >part.sh
-grep -q -- '--part "\$part/\$SLURM_ARRAY_TASK_COUNT"' part.sh
-export DIR=$work/slurm SLURM_CPUS_PER_TASK=1 SLURM_ARRAY_TASK_COUNT=4
+grep -q -- '--part "\$part/\$SLURM_ARRAY_TASK_MAX"' part.sh
+export DIR=$work/slurm SLURM_CPUS_PER_TASK=1 SLURM_ARRAY_TASK_MAX=4
 task() { SLURM_ARRAY_TASK_ID=$1 timeout -s KILL "$2" bash part.sh >/dev/null 2>&1; }
 task 3 0.3 || true
 tasks=()

@@ -17,12 +17,34 @@
 #define PREFIX ".octalux-"
 #define SUFFIX ".tmp"
 
-enum { TAG_DIGITS = 8, NAME_LENGTH = sizeof PREFIX - 1 + TAG_DIGITS + sizeof SUFFIX - 1, NAME_ATTEMPTS = 100 };
+enum {
+  TAG_DIGITS = 8,
+  MACHINE_DIGITS = 4,
+  NAME_LENGTH = sizeof PREFIX - 1 + TAG_DIGITS + sizeof SUFFIX - 1,
+  NAME_ATTEMPTS = 100
+};
 
-static void draw_name(uint32_t attempt, char name[32]) {
+// Returns the digits of this machine, with which its names begin.
+static uint32_t machine_tag(void) {
+  char host[256] = "";
+  uint32_t hash = 0;
+  gethostname(host, sizeof host - 1);
+  for (const char *c = host; *c; c++) hash = olx_hash2(hash, (uint8_t)*c);
+  return hash >> 16;
+}
+
+void olx_temporary_name(uint32_t attempt, char name[32]) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
-  snprintf(name, 32, PREFIX "%08x" SUFFIX, olx_hash3((uint32_t)getpid(), (uint32_t)now.tv_nsec, attempt));
+  snprintf(name, 32, PREFIX "%04x%04x" SUFFIX, machine_tag(),
+           olx_hash3((uint32_t)getpid(), (uint32_t)now.tv_nsec, attempt) >> 16);
+}
+
+// Returns whether this machine may have made a temporary file.
+static bool may_be_ours(const char *name) {
+  char tag[MACHINE_DIGITS + 1];
+  snprintf(tag, sizeof tag, "%04x", machine_tag());
+  return strncmp(name + sizeof PREFIX - 1, tag, MACHINE_DIGITS) == 0;
 }
 
 bool olx_is_temporary_name(const char *name) {
@@ -44,7 +66,7 @@ static void reclaim_file(int folder, const char *name) {
   close(descriptor);
 }
 
-void olx_temporary_reclaim(int folder) {
+void olx_temporary_reclaim(int folder, bool of_all_machines) {
   const int descriptor = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   DIR *entries = descriptor < 0 ? NULL : fdopendir(descriptor);
   if (!entries) {
@@ -52,7 +74,8 @@ void olx_temporary_reclaim(int folder) {
     return;
   }
   for (const struct dirent *entry; (entry = readdir(entries)) != NULL;) {
-    if (olx_is_temporary_name(entry->d_name)) reclaim_file(folder, entry->d_name);
+    const char *name = entry->d_name;
+    if (olx_is_temporary_name(name) && (of_all_machines || may_be_ours(name))) reclaim_file(folder, name);
   }
   closedir(entries);
 }
@@ -83,7 +106,7 @@ static bool lock_named(int descriptor) {
 
 static int create_named(int folder, mode_t mode, char name[32]) {
   for (uint32_t attempt = 0; attempt < NAME_ATTEMPTS; attempt++) {
-    draw_name(attempt, name);
+    olx_temporary_name(attempt, name);
     const int descriptor = openat(folder, name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor < 0 && errno != EEXIST) break;
     if (descriptor >= 0 && lock_named(descriptor)) return descriptor;
@@ -112,7 +135,7 @@ int olx_temporary_create(const char *folder, uint32_t mode, olx_temporary *file)
   file->folder = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file->folder < 0 && errno == EACCES) file->folder = open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (file->folder < 0) return errno;
-  olx_temporary_reclaim(file->folder);
+  olx_temporary_reclaim(file->folder, false);
   return create_in_folder(mode, file);
 }
 
@@ -126,7 +149,7 @@ static int link_unnamed(olx_temporary *file) {
   char path[64];
   own_path(file->descriptor, path);
   for (uint32_t attempt = 0; attempt < NAME_ATTEMPTS; attempt++) {
-    draw_name(attempt, file->name);
+    olx_temporary_name(attempt, file->name);
     if (linkat(AT_FDCWD, path, file->folder, file->name, AT_SYMLINK_FOLLOW) == 0) return 0;
     if (errno != EEXIST) break;
   }

@@ -31,7 +31,7 @@ struct olx_unit_store {
 
 static olx_result open_folder(olx_unit_store *s) {
   const olx_work_folder_settings settings = {.manifest = s->joins ? NULL : &s->manifest,
-                                             .lock = s->settings.parts ? OLX_WORK_SHARED : OLX_WORK_ALONE,
+                                             .lock = s->settings.parts || s->joins ? OLX_WORK_SHARED : OLX_WORK_ALONE,
                                              .fresh = s->settings.fresh,
                                              .edited = s->settings.edited};
   return olx_work_folder_open(s->path, &settings, &s->folder);

@@ -14,9 +14,10 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16, ENDS_EARLY = -1 };
+enum { MOST_STAGE = 15, NAME_BYTES = 64, OPEN_ATTEMPTS = 16, ALONE_ATTEMPTS = 100, ENDS_EARLY = -1 };
 
 #define SUFFIX ".unit"
 #define MAGIC "OLXUNIT1"
@@ -542,9 +543,7 @@ static olx_result open_locked(olx_work_folder *f, const olx_work_folder_settings
     OLX_TRY(open_folder(f, settings->manifest != NULL));
     OLX_TRY(lock_folder(f, settings->lock));
     if (still_there(f)) {
-      // Where files are not locked across machines, another machine's temporary files must not be taken for those of
-      // dead programs.
-      if (settings->lock == OLX_WORK_ALONE) olx_temporary_reclaim(f->descriptor);
+      if (settings->lock == OLX_WORK_ALONE) olx_temporary_reclaim(f->descriptor, false);
       return settle_manifest(f, settings);
     }
     close(f->descriptor);
@@ -580,9 +579,29 @@ void olx_work_folder_close(olx_work_folder *f) {
   olx_release(f);
 }
 
+// Waits until no other program has the folder open, which parts that look for what is left to do have for a moment.
+// Returns false when one of them keeps it.
+static bool gets_alone(const olx_work_folder *f) {
+  const struct timespec pause = {.tv_nsec = 50000000};
+  for (uint32_t attempt = 0; attempt < ALONE_ATTEMPTS; attempt++) {
+    if (flock(f->descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return true;
+    nanosleep(&pause, NULL);
+  }
+  return false;
+}
+
 void olx_work_folder_remove(olx_work_folder *f) {
+  if (!gets_alone(f)) {
+    olx_log(OLX_LOG_WARNING, "%s: the work folder stays: another part works in it", f->path);
+    olx_work_folder_close(f);
+    return;
+  }
+  if (!still_there(f)) { // another program has joined the same results
+    olx_work_folder_close(f);
+    return;
+  }
   if (clear(f) == OLX_OK) olx_work_folder_drop(f, &manifest_name);
-  olx_temporary_reclaim(f->descriptor);
+  olx_temporary_reclaim(f->descriptor, true);
   if (rmdir(f->path) != 0) olx_log(OLX_LOG_WARNING, "%s: the work folder stays: %s", f->path, strerror(errno));
   olx_work_folder_close(f);
 }

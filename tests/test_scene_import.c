@@ -2,6 +2,7 @@
 // warning or refused with a message that names file and element.
 #include "core/hooks.h"
 #include "scene/affine.h"
+#include "scene/import/model_files.h"
 #include "scene/scene_build.h"
 #include "scene/texture.h"
 #include "scene_files.h"
@@ -204,6 +205,22 @@ static void missing_files_of_an_obj_warn_and_are_named(void **state) {
   assert_vec(winding_normal(scene, 0), 0, 0, 1);
   assert_vec(scene->normals[0], 0, 0, 1);
   olx_scene_free(scene);
+}
+
+// The bytes behind a name are not part of it.
+static void percent_signs_without_two_digits_stay(void **state) {
+  (void)state;
+  static const char *const names[][2] = {{"a%20b%2F", "a b/"}, {"x%4", "x%4"},       {"x%", "x%"},
+                                         {"x%4g", "x%4g"},     {"x% 4.y", "x% 4.y"}, {"x%0x41", "x%0x41"},
+                                         {"x%00y", "x%00y"},   {"%%41", "%A"},       {"a\\b", "a/b"}};
+  for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+    char path[64], expected[64];
+    memset(path, 'z', sizeof path - 1);
+    path[sizeof path - 1] = 0;
+    snprintf(expected, sizeof expected, "no such folder/%s", names[i][1]);
+    olx_model_file_locate("no such folder/made.gltf", names[i][0], path, sizeof path);
+    assert_string_equal(path, expected);
+  }
 }
 
 static void unreadable_texture_is_left_out(void **state) {
@@ -612,6 +629,7 @@ int main(void) {
       WITH_FOLDER(alpha_map_masks),
       WITH_FOLDER(missing_files_of_an_obj_warn_and_are_named),
       WITH_FOLDER(unreadable_texture_is_left_out),
+      cmocka_unit_test(percent_signs_without_two_digits_stay),
       WITH_FOLDER(nodes_place_instances),
       WITH_FOLDER(mirrored_node_keeps_its_front),
       WITH_FOLDER(uneven_scale_keeps_normals_upright),

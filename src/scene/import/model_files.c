@@ -59,6 +59,13 @@ olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, 
   return result;
 }
 
+// Returns the byte that `text` escapes as % and two hexadecimal digits; 0 where it begins with no such escape.
+static char escaped_byte(const char *text) {
+  if (text[0] != '%' || !isxdigit((unsigned char)text[1]) || !isxdigit((unsigned char)text[2])) return 0;
+  const char digits[3] = {text[1], text[2], 0};
+  return (char)strtoul(digits, NULL, 16);
+}
+
 void olx_model_file_locate(const char *model_path, const char *name, char *path, size_t size_bytes) {
   const char *slash = strrchr(model_path, '/');
   const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - model_path) + 1;
@@ -66,13 +73,9 @@ void olx_model_file_locate(const char *model_path, const char *name, char *path,
   if (access(path, R_OK) == 0) return;
   char *out = path + folder;
   for (const char *in = out; *in; ++in, ++out) {
-    unsigned code;
-    if (in[0] == '%' && sscanf(in + 1, "%2x", &code) == 1 && code) {
-      *out = (char)code;
-      in += 2;
-    } else {
-      *out = *in == '\\' ? '/' : *in;
-    }
+    const char escaped = escaped_byte(in);
+    *out = escaped ? escaped : *in == '\\' ? '/' : *in;
+    if (escaped) in += 2;
   }
   *out = 0;
 }

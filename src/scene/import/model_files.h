@@ -11,7 +11,7 @@ struct aiScene;
 olx_result olx_model_file_check(const olx_scene *scene, const char *model_path, const char *path);
 
 // Locates a file that a model names relative to itself. MTL files from Windows use backslashes; glTF escapes characters
-// with %.
+// with % and two hexadecimal digits; any other % is itself.
 void olx_model_file_locate(const char *model_path, const char *name, char *path, size_t size_bytes);
 
 // Reads an OBJ model with Assimp; each file passes the check above. Material files must begin with a material, are read

@@ -381,6 +381,21 @@ static void gltf_camera_looks_where_its_node_points(void **state) {
   olx_scene_free(scene);
 }
 
+// Characters of three bytes after two letters end at neither 63 nor 127 bytes.
+static void long_names_are_cut_between_characters(void **state) {
+  char name[200] = "ab", materials[300], nodes[400];
+  for (int i = 0; i < 50; ++i) memcpy(name + 2 + 3 * i, "\xe3\x81\x82", 4);
+  snprintf(materials, sizeof materials, "[{\"name\": \"%s\"}]", name);
+  snprintf(nodes, sizeof nodes, "[{\"mesh\": 0, \"children\": [1]}, {\"name\": \"%s\", \"camera\": 0}]", name);
+  olx_scene *scene = load_gltf(*state, materials, 0, nodes,
+                               ", \"cameras\": [{\"type\": \"perspective\", \"perspective\": {\"yfov\": 1}}]");
+  name[125] = 0;
+  assert_string_equal(scene->materials[0].name, name);
+  name[62] = 0;
+  assert_string_equal(scene->cameras[0].name, name);
+  olx_scene_free(scene);
+}
+
 static void punctual_lights_arrive_one_to_one(void **state) {
   olx_scene *scene = load_gltf(
       *state, "[]", -1,
@@ -639,6 +654,7 @@ int main(void) {
       WITH_FOLDER(extensions_stay_with_their_material),
       WITH_FOLDER(gltf_texture_from_the_file_itself),
       WITH_FOLDER(gltf_camera_looks_where_its_node_points),
+      WITH_FOLDER(long_names_are_cut_between_characters),
       WITH_FOLDER(punctual_lights_arrive_one_to_one),
       WITH_FOLDER(glb_is_the_same_scene_as_gltf),
       WITH_FOLDER(malformed_gltf_is_refused_by_name),

@@ -1,6 +1,7 @@
 // Tests that text from files is shown in the library's own words and cannot control a terminal: escaped messages, JSON
 // whose strings and members are unambiguous, images of another kind, and correct counts where memory ends.
 #include "core/hooks.h"
+#include "core/name.h"
 #include "core/result.h"
 #include "scene/import/json_value.h"
 #include "scene/name_index.h"
@@ -70,6 +71,28 @@ static void what_does_not_fit_is_cut_whole(void **state) {
   assert_string_equal(small, "abcde");
   olx_printable("abcd\xc3\xb6", small, sizeof small);
   assert_string_equal(small, "abcd");
+}
+
+// Returns what remains of a text in a name of `size_bytes`.
+static const char *name_of(const char *text, size_t size_bytes) {
+  static char name[16];
+  memset(name, 'z', sizeof name);
+  olx_copy_name(text, name, size_bytes);
+  return name;
+}
+
+static void names_are_cut_between_characters(void **state) {
+  (void)state;
+  assert_string_equal(name_of("lamp", 5), "lamp");
+  assert_string_equal(name_of("lamp", 4), "lam");
+  assert_string_equal(name_of("lamp", 1), "");
+  assert_string_equal(name_of("K\xc3\xb6ln", 6), "K\xc3\xb6ln");
+  assert_string_equal(name_of("K\xc3\xb6ln", 4), "K\xc3\xb6");
+  assert_string_equal(name_of("K\xc3\xb6ln", 3), "K");
+  assert_string_equal(name_of("a\xf0\x9f\x92\xa1", 6), "a\xf0\x9f\x92\xa1");
+  for (size_t size_bytes = 2; size_bytes < 6; size_bytes++) {
+    assert_string_equal(name_of("a\xf0\x9f\x92\xa1", size_bytes), "a");
+  }
 }
 
 static char logged[1024];
@@ -208,6 +231,7 @@ int main(void) {
       cmocka_unit_test(control_characters_are_escaped),
       cmocka_unit_test(bytes_that_are_not_utf8_are_escaped),
       cmocka_unit_test(what_does_not_fit_is_cut_whole),
+      cmocka_unit_test(names_are_cut_between_characters),
       cmocka_unit_test(messages_and_warnings_are_printable),
       cmocka_unit_test(json_refuses_nul_in_strings),
       cmocka_unit_test(json_refuses_twins),

@@ -2,6 +2,7 @@
 // used as radiometric ones, one to one.
 #include "scene/gltf/gltf_light.h"
 
+#include "core/name.h"
 #include "core/result.h"
 #include "scene/scene_build.h"
 
@@ -29,7 +30,7 @@ olx_result olx_gltf_add_camera(const olx_gltf *gltf, uint32_t node, const olx_af
   const cJSON *item = gltf->cameras.elements[index];
   snprintf(name, sizeof name, "camera %u", scene->camera_count + 1);
   olx_camera camera = {.eye = olx_affine_point(transform, olx_splat(0.0f))};
-  snprintf(camera.name, sizeof camera.name, "%.63s", name_of(element, item, name));
+  olx_copy_name(name_of(element, item, name), camera.name, sizeof camera.name);
   if (!olx_json_float(olx_json_member(olx_json_member(item, "perspective"), "yfov"), &fov_y) ||
       !(fov_y > 0.0f && fov_y < OLX_PI)) {
     return skip_camera(gltf, &camera, "only perspective cameras are supported");

@@ -2,6 +2,7 @@
 // materials support them, and otherwise named in a warning.
 #include "scene/gltf/gltf_material.h"
 
+#include "core/name.h"
 #include "core/result.h"
 #include "scene/scene_build.h"
 
@@ -209,7 +210,7 @@ static olx_result read_glossiness(material_reader *r, const cJSON *element, cons
 static olx_result read_material(material_reader *r, const cJSON *element) {
   olx_material *m = r->material;
   *m = olx_material_default();
-  snprintf(m->name, sizeof m->name, "%.127s", olx_json_text(element, "name"));
+  olx_copy_name(olx_json_text(element, "name"), m->name, sizeof m->name);
   m->normal_scale = number_of(olx_json_member(element, "normalTexture"), "scale", 1.0f);
   const cJSON *strength = olx_gltf_extension(element, "KHR_materials_emissive_strength");
   m->emission = olx_scale(color_of(element, "emissiveFactor", 0.0f),

@@ -1,6 +1,7 @@
 // Converts the materials of MTL files, as Assimp reads them, to a scene's.
 #include "scene/obj/mtl_material.h"
 
+#include "core/name.h"
 #include "core/result.h"
 #include "scene/scene_build.h"
 
@@ -8,7 +9,6 @@
 #include <assimp/material.h>
 
 #include <math.h>
-#include <stdio.h>
 
 typedef struct aiMaterial source_material;
 
@@ -72,7 +72,7 @@ olx_result olx_import_mtl(olx_material_import *import, const struct aiMaterial *
   struct aiString name = {0};
   *material = olx_material_default();
   aiGetMaterialString(source, AI_MATKEY_NAME, &name);
-  snprintf(material->name, sizeof material->name, "%.127s", name.data);
+  olx_copy_name(name.data, material->name, sizeof material->name);
   OLX_TRY(read_mtl(import, source, material));
   olx_import_repair_material(import, material, false);
   return OLX_OK;

@@ -449,6 +449,32 @@ static void cooked_scenes_keep_all_that_vertices_have(void **state) {
   olx_scene_free(scene);
 }
 
+// The meshes of both other materials are left out: one is of lines, one fully transparent.
+static void cooked_scenes_may_have_materials_without_triangles(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  const char *placed = "\"normalTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}";
+  char more[1024], primitives[600], path[600];
+  snprintf(more, sizeof more,
+           ", \"materials\": [{}, {\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, %s}, "
+           "{\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0], "
+           "\"baseColorTexture\": {\"index\": 0}}, %s}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": "
+           "\"" SIDEWAYS "\"}]",
+           placed, placed);
+  snprintf(primitives, sizeof primitives,
+           "%s, {\"attributes\": {\"POSITION\": 0}, \"material\": 1, \"mode\": 1}, {\"attributes\": "
+           "{\"POSITION\": 0}, \"indices\": 3, \"material\": 2}",
+           square_with(""));
+  snprintf(path, sizeof path, "%s/made.olxs", ((scene_folder *)*state)->path);
+  olx_scene *scene = load_model(write_square_model(&m, *state, primitives, "[{\"mesh\": 0}]", more)), *cooked = NULL;
+  assert_int_equal(scene->material_count, 3);
+  assert_int_equal(olx_scene_cook(scene, path, NULL), OLX_OK);
+  if (olx_scene_load_cooked(path, &cooked) != OLX_OK) fail_msg("%s", olx_last_error());
+  assert_true(cooked->hash == scene->hash);
+  olx_scene_free(cooked);
+  olx_scene_free(scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       WITH_FOLDER(vertex_colours_multiply_the_base_colour),
@@ -471,6 +497,7 @@ int main(void) {
       WITH_FOLDER(numbers_of_extensions_outside_their_range_are_clamped_with_a_warning),
       WITH_FOLDER(extensions_that_are_ignored_are_named),
       WITH_FOLDER(cooked_scenes_keep_all_that_vertices_have),
+      WITH_FOLDER(cooked_scenes_may_have_materials_without_triangles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

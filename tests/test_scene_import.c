@@ -424,6 +424,19 @@ static void punctual_lights_arrive_one_to_one(void **state) {
   olx_scene_free(scene);
 }
 
+// The same limit holds for lights of descriptions and of cooked scenes.
+static void punctual_lights_beyond_what_scenes_hold_are_skipped(void **state) {
+  olx_scene *scene =
+      load_gltf(*state, "[]", -1,
+                "[{\"mesh\": 0, \"children\": [1, 2]}, {\"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}}, "
+                "{\"extensions\": {\"KHR_lights_punctual\": {\"light\": 1}}}]",
+                ", \"extensions\": {\"KHR_lights_punctual\": {\"lights\": [{\"type\": \"point\", \"intensity\": 9e19}, "
+                "{\"name\": \"nova\", \"type\": \"point\", \"color\": [0, 0, 1], \"intensity\": 1.1e20}]}}");
+  assert_int_equal(scene->light_count, 1);
+  assert_true(has_warning(scene, "light \"nova\" skipped"));
+  olx_scene_free(scene);
+}
+
 static void glb_is_the_same_scene_as_gltf(void **state) {
   uint8_t *data;
   const char *materials = "[{\"name\": \"m\", \"emissiveFactor\": [1, 1, 1]}]", *nodes = "[{\"mesh\": 0}]";
@@ -656,6 +669,7 @@ int main(void) {
       WITH_FOLDER(gltf_camera_looks_where_its_node_points),
       WITH_FOLDER(long_names_are_cut_between_characters),
       WITH_FOLDER(punctual_lights_arrive_one_to_one),
+      WITH_FOLDER(punctual_lights_beyond_what_scenes_hold_are_skipped),
       WITH_FOLDER(glb_is_the_same_scene_as_gltf),
       WITH_FOLDER(malformed_gltf_is_refused_by_name),
       WITH_FOLDER(accessors_past_their_buffer_are_refused),

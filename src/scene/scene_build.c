@@ -336,9 +336,15 @@ static olx_result count_area_lights(olx_scene *scene) {
   return OLX_OK;
 }
 
+// Materials whose meshes were left out may name second texture coordinates that no mesh has.
+static void forget_missing_uvs(olx_scene *scene) {
+  for (uint32_t m = 0; !scene->second_uvs && m < scene->material_count; ++m) scene->materials[m].second_uvs = 0;
+}
+
 olx_result olx_scene_summarize(olx_scene *scene) {
   if (scene->triangle_count == 0) return olx_fail(OLX_ERROR_EMPTY, "the scene has no triangles");
   compute_bounds(scene);
+  forget_missing_uvs(scene);
   OLX_TRY(count_area_lights(scene));
   scene->hash = olx_scene_hash(scene);
   return OLX_OK;

@@ -48,7 +48,8 @@ void olx_scene_warn_about_rest(olx_scene *scene, const char *path);
 // Logs what was skipped or clamped, once the scene is complete.
 void olx_scene_log_warnings(const olx_scene *scene);
 
-// Computes bounds, hash and the number of lights; fails with OLX_ERROR_EMPTY for a scene without triangles.
+// Computes bounds, hash and the number of lights, and forgets texture coordinates that no mesh has; fails with
+// OLX_ERROR_EMPTY for a scene without triangles.
 olx_result olx_scene_summarize(olx_scene *scene);
 // Summarizes the scene and builds its emitters and ray caster.
 olx_result olx_scene_finish(olx_scene *scene);

@@ -64,8 +64,8 @@ static bool read_light(const cJSON *item, const olx_affine *transform, olx_light
                        .cosine_inner = cosf(inner),
                        .cosine_outer = cosf(outer)};
   const olx_vec3 e = light->emission;
-  return (sun || point || strcmp(type, "spot") == 0) && e.x >= 0.0f && e.y >= 0.0f && e.z >= 0.0f && inner >= 0.0f &&
-         inner <= outer && outer <= OLX_PI;
+  return (sun || point || strcmp(type, "spot") == 0) && e.x >= 0.0f && e.y >= 0.0f && e.z >= 0.0f &&
+         olx_max3(e) <= OLX_MOST_EMISSION && inner >= 0.0f && inner <= outer && outer <= OLX_PI;
 }
 
 void olx_gltf_add_light(const olx_gltf *gltf, uint32_t node, const olx_affine *transform) {

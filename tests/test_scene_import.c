@@ -457,6 +457,10 @@ static void glb_is_the_same_scene_as_gltf(void **state) {
 static void malformed_gltf_is_refused_by_name(void **state) {
   const char *mesh = "[{\"mesh\": 0}]";
   assert_gltf_refused(*state, "[{\"mesh\": 3}]", "", OLX_ERROR_FORMAT, "nodes[0]");
+  assert_gltf_refused(*state, "[{\"mesh\": 0, \"camera\": 0}]", "", OLX_ERROR_FORMAT,
+                      "nodes[0]: its camera does not exist");
+  assert_gltf_refused(*state, "[{\"mesh\": 0, \"extensions\": {\"KHR_lights_punctual\": {\"light\": 7}}}]", "",
+                      OLX_ERROR_FORMAT, "nodes[0]: its light does not exist");
   assert_gltf_refused(*state, "[{\"mesh\": 0, \"children\": [1]}, {\"children\": [2]}, {\"children\": [1]}]", "",
                       OLX_ERROR_FORMAT, "nodes[1]");
   assert_gltf_refused(*state, "[{\"mesh\": 0, \"children\": [0]}]", "", OLX_ERROR_FORMAT, "child");

@@ -26,7 +26,8 @@ olx_result olx_gltf_add_camera(const olx_gltf *gltf, uint32_t node, const olx_af
   uint32_t index;
   float fov_y;
   char name[32];
-  if (!olx_gltf_index(element, "camera", gltf->cameras.count, &index) || index == OLX_GLTF_NONE) return OLX_OK;
+  olx_gltf_index(element, "camera", gltf->cameras.count, &index);
+  if (index == OLX_GLTF_NONE) return OLX_OK;
   const cJSON *item = gltf->cameras.elements[index];
   snprintf(name, sizeof name, "camera %u", scene->camera_count + 1);
   olx_camera camera = {.eye = olx_affine_point(transform, olx_splat(0.0f))};
@@ -72,10 +73,8 @@ void olx_gltf_add_light(const olx_gltf *gltf, uint32_t node, const olx_affine *t
   const cJSON *element = gltf->nodes.elements[node];
   uint32_t index;
   olx_light light;
-  if (!olx_gltf_index(olx_gltf_extension(element, "KHR_lights_punctual"), "light", gltf->lights.count, &index) ||
-      index == OLX_GLTF_NONE) {
-    return;
-  }
+  olx_gltf_index(olx_gltf_extension(element, "KHR_lights_punctual"), "light", gltf->lights.count, &index);
+  if (index == OLX_GLTF_NONE) return;
   const cJSON *item = gltf->lights.elements[index];
   if (read_light(item, transform, &light) && olx_scene_add_light(gltf->scene, &light) == OLX_OK) return;
   olx_scene_warn(gltf->scene, "%s: light \"%s\" skipped: its type, intensity, cone or transform is not usable",

@@ -44,13 +44,25 @@ static olx_result check_depths(const olx_gltf *gltf, const uint32_t *parents) {
   return OLX_OK;
 }
 
+static olx_result check_node(const olx_gltf *gltf, uint32_t node) {
+  const cJSON *element = gltf->nodes.elements[node];
+  uint32_t index;
+  if (!olx_gltf_index(element, "mesh", gltf->meshes.count, &index)) {
+    return olx_gltf_fail(gltf, "nodes", node, "its mesh does not exist");
+  }
+  if (!olx_gltf_index(element, "camera", gltf->cameras.count, &index)) {
+    return olx_gltf_fail(gltf, "nodes", node, "its camera does not exist");
+  }
+  if (!olx_gltf_index(olx_gltf_extension(element, "KHR_lights_punctual"), "light", gltf->lights.count, &index)) {
+    return olx_gltf_fail(gltf, "nodes", node, "its light does not exist");
+  }
+  return OLX_OK;
+}
+
 static olx_result find_parents(const olx_gltf *gltf, uint32_t *parents) {
   for (uint32_t i = 0; i < gltf->nodes.count; ++i) parents[i] = OLX_GLTF_NONE;
   for (uint32_t i = 0; i < gltf->nodes.count; ++i) {
-    uint32_t mesh;
-    if (!olx_gltf_index(gltf->nodes.elements[i], "mesh", gltf->meshes.count, &mesh)) {
-      return olx_gltf_fail(gltf, "nodes", i, "its mesh does not exist");
-    }
+    OLX_TRY(check_node(gltf, i));
     OLX_TRY(note_children(gltf, i, parents));
   }
   return OLX_OK;

@@ -11,8 +11,8 @@ typedef struct olx_gltf_roots {
   uint32_t count;
 } olx_gltf_roots;
 
-// Rejects nodes that form no forest or are nested too deeply, and finds the roots of the file's scene. The caller
-// releases roots->nodes, also after a failure.
+// Rejects nodes that form no forest, are nested too deeply, or name what does not exist, and finds the roots of the
+// file's scene. The caller releases roots->nodes, also after a failure.
 olx_result olx_gltf_find_roots(const olx_gltf *gltf, olx_gltf_roots *roots);
 
 // Returns the transform of a node to its parent's space. Where the scene is far from the origin, translations keep the

@@ -303,6 +303,33 @@ static void a_third_kind_of_coordinates_is_warned_about(void **state) {
   olx_scene_free(scene);
 }
 
+static void mirrored_textures_are_warned_about_once(void **state) {
+  static const char *const samplers[] = {"{}, {\"wrapS\": 33648}, {\"wrapT\": 33648, \"wrapS\": 10497}",
+                                         "{}, {\"wrapS\": 33071}, {\"wrapT\": 10497}"};
+  for (size_t i = 0; i < 2; ++i) {
+    gltf_maker m = {0};
+    char more[600];
+    add_square(&m);
+    snprintf(more, sizeof more,
+             ", \"materials\": [{}], \"textures\": [{}, {\"sampler\": 0}, {\"sampler\": 1}, {\"sampler\": 2}], "
+             "\"samplers\": [%s]",
+             samplers[i]);
+    olx_scene *scene = load_model(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]", more));
+    if (i == 0) assert_model_warned(scene, "2 textures repeat without being mirrored");
+    assert_int_equal(scene->warning_count, i == 0 ? 2 : 1); // the other one is about the albedo
+    olx_scene_free(scene);
+  }
+}
+
+static void textures_without_their_sampler_are_refused(void **state) {
+  gltf_maker m = {0};
+  add_square(&m);
+  assert_model_refused(write_square_model(&m, *state, square_with(""), "[{\"mesh\": 0}]",
+                                          ", \"materials\": [{}], \"textures\": [{}, {\"sampler\": 1}], "
+                                          "\"samplers\": [{}]"),
+                       OLX_ERROR_FORMAT, "textures[1]: its sampler does not exist");
+}
+
 static void images_of_other_kinds_are_refused_or_replaced_by_their_source(void **state) {
   static const char *const kinds[] = {"KHR_texture_basisu", "EXT_texture_avif"};
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
@@ -717,6 +744,8 @@ int main(void) {
       WITH_FOLDER(texture_transforms_scale_turn_and_move),
       WITH_FOLDER(a_texture_transform_may_name_another_set),
       WITH_FOLDER(a_third_kind_of_coordinates_is_warned_about),
+      WITH_FOLDER(mirrored_textures_are_warned_about_once),
+      WITH_FOLDER(textures_without_their_sampler_are_refused),
       WITH_FOLDER(images_of_other_kinds_are_refused_or_replaced_by_their_source),
       WITH_FOLDER(textures_without_an_image_are_reported_once),
       WITH_FOLDER(images_may_be_webp),

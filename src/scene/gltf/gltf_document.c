@@ -77,16 +77,10 @@ static const char *const supported_extensions[] = {"EXT_mesh_gpu_instancing",
                                                    "KHR_texture_transform",
                                                    "MESHOPT_compression"};
 // Extensions that change at most the look of a material, so that a scene can be used without them.
-static const char *const ignored_extensions[] = {"KHR_materials_anisotropy",
-                                                 "KHR_materials_clearcoat",
-                                                 "KHR_materials_dispersion",
-                                                 "KHR_materials_ior",
-                                                 "KHR_materials_iridescence",
-                                                 "KHR_materials_sheen",
-                                                 "KHR_materials_unlit",
-                                                 "KHR_materials_variants",
-                                                 "KHR_materials_volume",
-                                                 "KHR_xmp_json_ld"};
+static const char *const ignored_extensions[] = {
+    "KHR_materials_anisotropy",  "KHR_materials_clearcoat", "KHR_materials_dispersion", "KHR_materials_ior",
+    "KHR_materials_iridescence", "KHR_materials_sheen",     "KHR_materials_unlit",      "KHR_materials_variants",
+    "KHR_materials_volume",      "KHR_xmp_json_ld"};
 
 static bool listed(const char *name, const char *const *list, size_t count) {
   for (size_t i = 0; i < count; ++i) {
@@ -161,7 +155,7 @@ static olx_result collect_all(olx_gltf *gltf) {
   } lists[] = {{"buffers", &gltf->buffers},     {"bufferViews", &gltf->views}, {"accessors", &gltf->accessors},
                {"materials", &gltf->materials}, {"meshes", &gltf->meshes},     {"nodes", &gltf->nodes},
                {"scenes", &gltf->scenes},       {"images", &gltf->images},     {"textures", &gltf->textures},
-               {"cameras", &gltf->cameras}};
+               {"samplers", &gltf->samplers},   {"cameras", &gltf->cameras}};
   for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
     OLX_TRY(collect(gltf, gltf->root, lists[i].key, lists[i].list));
   }
@@ -177,10 +171,10 @@ olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf) {
 }
 
 void olx_gltf_close(olx_gltf *gltf) {
-  void *const lists[] = {gltf->buffers.elements,   gltf->views.elements,  gltf->accessors.elements,
-                         gltf->materials.elements, gltf->meshes.elements, gltf->nodes.elements,
-                         gltf->scenes.elements,    gltf->images.elements, gltf->textures.elements,
-                         gltf->cameras.elements,   gltf->lights.elements};
+  void *const lists[] = {gltf->buffers.elements,   gltf->views.elements,   gltf->accessors.elements,
+                         gltf->materials.elements, gltf->meshes.elements,  gltf->nodes.elements,
+                         gltf->scenes.elements,    gltf->images.elements,  gltf->textures.elements,
+                         gltf->samplers.elements,  gltf->cameras.elements, gltf->lights.elements};
   for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) olx_release(lists[i]);
   cJSON_Delete(gltf->root);
   olx_unmap_file(&gltf->file);

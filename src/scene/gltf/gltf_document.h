@@ -30,7 +30,8 @@ typedef struct olx_gltf {
   olx_mapped_file file;
   olx_gltf_bytes binary; // the part of a .glb after its JSON
   cJSON *root;
-  olx_gltf_list buffers, views, accessors, materials, meshes, nodes, scenes, images, textures, cameras, lights;
+  olx_gltf_list buffers, views, accessors, materials, meshes, nodes, scenes, images, textures, samplers, cameras,
+      lights;
   olx_gltf_buffer *buffer_data;     // one per buffer
   olx_gltf_view *view_data;         // one per view
   olx_gltf_accessor *accessor_data; // one per accessor

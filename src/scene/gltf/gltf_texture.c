@@ -58,6 +58,32 @@ olx_vec2 olx_gltf_place_uv(const olx_gltf_placement *place, olx_vec2 uv) {
   return (olx_vec2){m[0][0] * uv.x + m[0][1] * uv.y + m[0][2], m[1][0] * uv.x + m[1][1] * uv.y + m[1][2]};
 }
 
+// ---- Samplers
+
+static bool mirrors(const cJSON *sampler) {
+  const uint64_t mirrored_repeat = 33648;
+  uint64_t along_u, along_v;
+  olx_json_size(sampler, "wrapS", 0, &along_u);
+  olx_json_size(sampler, "wrapT", 0, &along_v);
+  return along_u == mirrored_repeat || along_v == mirrored_repeat;
+}
+
+olx_result olx_gltf_check_samplers(const olx_gltf *gltf) {
+  uint32_t mirrored = 0;
+  for (uint32_t i = 0; i < gltf->textures.count; ++i) {
+    uint32_t sampler;
+    if (!olx_gltf_index(gltf->textures.elements[i], "sampler", gltf->samplers.count, &sampler)) {
+      return olx_gltf_fail(gltf, "textures", i, "its sampler does not exist");
+    }
+    mirrored += sampler != OLX_GLTF_NONE && mirrors(gltf->samplers.elements[sampler]);
+  }
+  if (mirrored) {
+    olx_scene_warn(gltf->scene, "%s: %u textures repeat without being mirrored, as MIRRORED_REPEAT would have it",
+                   gltf->path, mirrored);
+  }
+  return OLX_OK;
+}
+
 // ---- Images
 
 struct olx_gltf_image {

@@ -32,6 +32,9 @@ olx_vec2 olx_gltf_place_uv(const olx_gltf_placement *place, olx_vec2 uv);
 olx_result olx_gltf_request_texture(olx_gltf *gltf, olx_material_import *import, uint32_t texture, olx_texture_use use,
                                     uint32_t *number);
 
+// Rejects textures whose sampler does not exist, and warns about those that it mirrors where they repeat.
+olx_result olx_gltf_check_samplers(const olx_gltf *gltf);
+
 void olx_gltf_release_images(olx_gltf *gltf);
 
 #endif

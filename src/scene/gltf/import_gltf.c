@@ -160,6 +160,7 @@ static olx_result read_file(gltf_import *import, const char *path, const olx_aff
   OLX_TRY(olx_gltf_open(path, scene, gltf));
   OLX_TRY(olx_gltf_open_buffers(gltf));
   OLX_TRY(olx_gltf_check_images(gltf));
+  OLX_TRY(olx_gltf_check_samplers(gltf));
   OLX_TRY(olx_gltf_make_accessors(gltf));
   olx_gltf_mark_draco(gltf);
   OLX_TRY(olx_gltf_open_accessors(gltf));

@@ -158,7 +158,8 @@ static const char squeezed_primitives[] =
     "\"extensions\": {\"KHR_draco_mesh_compression\": {\"bufferView\": 0, \"attributes\": {\"POSITION\": 0, "
     "\"NORMAL\": 1, \"TEXCOORD_0\": 2}}}}";
 static const char squeezed_more[] =
-    ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], \"textures\": "
+    ", \"materials\": [{\"pbrMetallicRoughness\": {\"metallicFactor\": 0.5, \"baseColorTexture\": {\"index\": 0}}, "
+    "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.75}}}], \"textures\": "
     "[{\"extensions\": {\"EXT_texture_webp\": {\"source\": 0}}}], \"images\": [{\"bufferView\": 1, "
     "\"mimeType\": \"image/webp\"}], \"extensionsRequired\": [\"KHR_draco_mesh_compression\", "
     "\"EXT_texture_webp\"]";

@@ -710,7 +710,8 @@ static void files_are_refused_when_memory_ends(void **state) {
       "\"indices\": 6, "
       "\"material\": 0}, {\"attributes\": {\"POSITION\": 0}, \"indices\": 3}",
       "[{\"mesh\": 0}]",
-      ", \"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}, \"normalTexture\": "
+      ", \"materials\": [{\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}}, "
+      "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}, \"normalTexture\": "
       "{\"index\": "
       "0" TRANSFORM("\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" FOUR_COLORS
                                          "\"}]");

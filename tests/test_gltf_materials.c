@@ -228,14 +228,20 @@ static void light_passes_by_alpha_and_transmission(void **state) {
   const struct {
     const char *members;
     float alpha;
-  } cases[] = {{"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.3]}", 0.3f},
-               {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.75}}", 0.25f},
-               {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [0.2, 0.5, 0.5, 1]}, \"extensions\": "
-                "{\"KHR_materials_transmission\": {\"transmissionFactor\": 1}}",
-                0.6f},
-               {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.5]}, "
-                "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}",
-                0.25f}};
+  } cases[] = {
+      {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.3]}", 0.3f},
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0}, \"extensions\": {\"KHR_materials_transmission\": "
+       "{\"transmissionFactor\": 0.75}}",
+       0.25f},
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0.5}, \"extensions\": {\"KHR_materials_transmission\": "
+       "{\"transmissionFactor\": 0.75}}",
+       0.625f},
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorFactor\": [0.2, 0.5, 0.5, 1]}, "
+       "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1}}",
+       0.6f},
+      {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorFactor\": [1, 1, "
+       "1, 0.5]}, \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}",
+       0.25f}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     olx_scene *scene = load_pane(*state, cases[i].members);
     char cooked[600], exported[600];
@@ -254,12 +260,118 @@ static void light_passes_by_alpha_and_transmission(void **state) {
   }
 }
 
-static void textures_of_transmission_are_left_out(void **state) {
-  olx_scene *scene = load_pane(*state, "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 1, "
-                                       "\"transmissionTexture\": {\"index\": 0}}}");
-  assert_false(scene->materials[0].blended);
-  assert_model_warned(scene, "1 material has a texture of transmission");
+#define TRANSMITS(factor) ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": " factor "}}"
+
+// Finds the opacity in the middles of the texels: upper left, upper right, lower left, lower right.
+static void assert_opacities(const olx_scene *scene, const float opacities[4]) {
+  for (int i = 0; i < 4; ++i) {
+    const float x = i % 2 ? 0.75f : 0.25f, y = i < 2 ? 0.75f : 0.25f;
+    const float opacity = x > y ? olx_surface_opacity(scene, 0, x - y, y) : olx_surface_opacity(scene, 1, x, y - x);
+    assert_near_number(opacity, opacities[i], 3e-3f);
+  }
+}
+
+// Three texels have a mean of 1/3, the last one is white with alpha 0; in B, which is metalness, two are 0 and two 1.
+// In the model, cooked and exported.
+static void glass_is_as_opaque_as_its_texels_are_dark_or_metal(void **state) {
+  const struct {
+    const char *members;
+    float opacities[4];
+  } cases[] = {
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}}" TRANSMITS("0.75"),
+       {0.75f, 0.75f, 0.75f, 0.25f}},
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0.5, \"baseColorFactor\": [0.5, 1, 1, 1], "
+       "\"baseColorTexture\": {\"index\": 0}}" TRANSMITS("1"),
+       {1 - 0.25f / 3, 1 - 0.5f / 3, 1 - 0.5f / 3, 1 - 1.25f / 3}},
+      {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorFactor\": [1, 1, 1, "
+       "0.5], \"baseColorTexture\": {\"index\": 0}}" TRANSMITS("1"),
+       {1.0f / 3, 1.0f / 3, 1.0f / 3, 0}},
+      {"\"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {\"index\": 0}}" TRANSMITS("0.75"),
+       {0.25f, 0.25f, 1, 1}},
+      {"\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}, \"metallicRoughnessTexture\": {\"index\": "
+       "0}}" TRANSMITS("0.75"),
+       {0.75f, 0.75f, 1, 1}},
+      {"\"pbrMetallicRoughness\": {\"metallicFactor\": 0.5, \"baseColorTexture\": {\"index\": 0}, "
+       "\"metallicRoughnessTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}}" TRANSMITS("1"),
+       {5.0f / 6, 5.0f / 6, 5.0f / 6, 0.5f}}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    olx_scene *scene = load_pane(*state, cases[i].members);
+    char cooked[600], exported[600];
+    snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
+    snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
+    assert_model_warned(scene, "1 material has partial opacity");
+    assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
+    assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
+    for (uint32_t form = 0; form < 3; form++) {
+      assert_opacities(scene, cases[i].opacities);
+      olx_scene_free(scene);
+      scene = form < 2 ? load_model(form == 0 ? cooked : exported) : NULL;
+    }
+  }
+}
+
+// A description that replaces the colour keeps the opacity.
+static void descriptions_keep_the_opacity_of_glass(void **state) {
+  olx_scene_free(load_pane(*state, "\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorTexture\": "
+                                   "{\"index\": 0}}" TRANSMITS("0.75")));
+  olx_scene *scene = load_model(scene_folder_write_text(
+      *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"pane\": {\"base_color\": [0, 0, 0]}}}"));
+  assert_opacities(scene, (const float[4]){0.75f, 0.75f, 0.75f, 0.25f});
   olx_scene_free(scene);
+}
+
+// A second material of the same glass takes no texture of its own; one that transmits less does.
+static void equal_glass_shares_a_texture(void **state) {
+  static const char *const factors[] = {"0.75", "0.5"};
+  for (uint32_t i = 0; i < 2; ++i) {
+    gltf_maker m = {0};
+    char more[1024], primitives[600];
+    add_square(&m);
+    const char *pane = "{\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}}";
+    snprintf(more, sizeof more,
+             ", \"materials\": [%s" TRANSMITS("0.75") "}, %s" TRANSMITS("%s") "}], \"textures\": [{\"source\": 0}], "
+                                                                              "\"images\": [{\"uri\": \"" FOUR_COLORS
+                                                                              "\"}]",
+             pane, pane, factors[i]);
+    snprintf(primitives, sizeof primitives, "%s, {\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"material\": 1}",
+             square_with(""));
+    olx_scene *scene = load_model(write_square_model(&m, *state, primitives, "[{\"mesh\": 0}]", more));
+    const olx_material *a = &scene->materials[0], *b = &scene->materials[1];
+    assert_int_equal(scene->texture_count, 2 + i);
+    assert_int_equal(b->base_color_texture, a->base_color_texture + i);
+    olx_scene_free(scene);
+  }
+}
+
+static void metal_transmits_nothing(void **state) {
+  static const char *const metals[] = {"\"alphaMode\": \"OPAQUE\"" TRANSMITS("1"),
+                                       "\"pbrMetallicRoughness\": {\"metallicFactor\": 1}" TRANSMITS("1")};
+  for (size_t i = 0; i < sizeof metals / sizeof *metals; ++i) {
+    olx_scene *scene = load_pane(*state, metals[i]);
+    assert_false(scene->materials[0].blended);
+    assert_near_number(scene->materials[0].alpha, 1.0f, 0.0f);
+    assert_not_warned(scene, "transmission");
+    olx_scene_free(scene);
+  }
+}
+
+#define DIELECTRIC "\"pbrMetallicRoughness\": {\"metallicFactor\": 0}, "
+
+static void masks_lamps_and_textures_of_transmission_stay_opaque(void **state) {
+  const struct {
+    const char *members;
+    float cutoff;
+  } cases[] = {{DIELECTRIC "\"alphaMode\": \"MASK\", \"alphaCutoff\": 0.25" TRANSMITS("1"), 0.25f},
+               {DIELECTRIC "\"emissiveFactor\": [1, 0.5, 0]" TRANSMITS("1"), 0.0f},
+               {DIELECTRIC "\"doubleSided\": true" TRANSMITS("1, \"transmissionTexture\": {\"index\": 0}"), 0.0f}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    olx_scene *scene = load_pane(*state, cases[i].members);
+    assert_false(scene->materials[0].blended);
+    assert_near_number(scene->materials[0].alpha_cutoff, cases[i].cutoff, 0.0f);
+    assert_opacities(scene, (const float[4]){1, 1, 1, 1});
+    assert_model_warned(scene, "1 material has transmission beside emission, a mask or a texture of it");
+    olx_scene_free(scene);
+  }
 }
 
 static void descriptions_replace_specular_textures(void **state) {
@@ -487,7 +599,11 @@ int main(void) {
       WITH_FOLDER(specular_textures_are_weights_texel_by_texel),
       WITH_FOLDER(specular_textures_join_that_of_roughness),
       WITH_FOLDER(light_passes_by_alpha_and_transmission),
-      WITH_FOLDER(textures_of_transmission_are_left_out),
+      WITH_FOLDER(glass_is_as_opaque_as_its_texels_are_dark_or_metal),
+      WITH_FOLDER(descriptions_keep_the_opacity_of_glass),
+      WITH_FOLDER(equal_glass_shares_a_texture),
+      WITH_FOLDER(metal_transmits_nothing),
+      WITH_FOLDER(masks_lamps_and_textures_of_transmission_stay_opaque),
       WITH_FOLDER(descriptions_replace_specular_textures),
       WITH_FOLDER(specular_textures_that_lie_elsewhere_are_left_out),
       WITH_FOLDER(specular_textures_that_cannot_be_read_leave_the_factors),

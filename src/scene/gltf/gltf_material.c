@@ -82,18 +82,26 @@ static void read_alpha(const material_reader *r, const cJSON *element, float alp
   else r->material->alpha_cutoff = number_of(element, "alphaCutoff", 0.5f);
 }
 
-// Takes what a thin surface transmits for missing opacity. Its base colour tints that light: the mean counts.
+// Returns whether all of a surface is metal, whatever its textures contain.
+static bool is_metal(const material_reader *r) {
+  const bool varies =
+      r->material->metallic_roughness_texture != OLX_NO_TEXTURE || r->surface->merged || r->surface->converted;
+  return r->material->metallic >= 1.0f && !varies;
+}
+
+// Reads what a thin surface transmits, which becomes missing opacity once its textures are there. A mask keeps its
+// cutoff, and a surface emits only where it is opaque, so that masks and emitters transmit nothing.
 static void read_transmission(material_reader *r, const cJSON *element) {
   const cJSON *extension = olx_gltf_extension(element, "KHR_materials_transmission");
   const float factor = clamp_number(r, number_of(extension, "transmissionFactor", 0.0f), 1.0f);
   olx_material *m = r->material;
-  if (!(factor > 0.0f)) return;
-  if (olx_json_member(extension, "transmissionTexture")) {
+  if (!(factor > 0.0f) || is_metal(r)) return;
+  if (strcmp(olx_json_text(element, "alphaMode"), "MASK") == 0 || olx_max3(m->emission) > 0.0f ||
+      olx_json_member(extension, "transmissionTexture")) {
     olx_name_list_add(&r->import->glazed, m->name);
     return;
   }
-  const float tint = (m->base_color.x + m->base_color.y + m->base_color.z) * (1.0f / 3.0f);
-  m->alpha *= 1.0f - factor * olx_clamp(tint, 0.0f, 1.0f);
+  r->surface->glass = (olx_gltf_glass){.transmission = factor, .keeps_alpha = m->blended, .color = m->base_color};
   if (!m->blended) olx_import_blend(r->import, m);
 }
 
@@ -288,6 +296,24 @@ static olx_result merge_textures(olx_gltf *gltf, olx_material_import *merging, c
   return OLX_OK;
 }
 
+// Gives the materials that transmit light their opacity. Those of the same glass share a texture.
+static olx_result apply_glass(olx_gltf *gltf, olx_gltf_surface *surfaces) {
+  for (uint32_t i = 0; i <= gltf->materials.count; ++i) {
+    olx_gltf_glass *glass = &surfaces[i].glass;
+    if (!(glass->transmission > 0.0f)) continue;
+    olx_material *material = &gltf->scene->materials[surfaces[i].material];
+    olx_gltf_find_glass(material, glass);
+    uint32_t same = 0;
+    while (same < i && !olx_gltf_same_glass(&surfaces[same].glass, glass)) same++;
+    char element[32];
+    snprintf(element, sizeof element, "materials[%u]", i);
+    if (same < i) olx_gltf_share_glass(glass, &gltf->scene->materials[surfaces[same].material], material);
+    else OLX_TRY(olx_gltf_apply_glass(glass, gltf->path, element, gltf->scene, material));
+    surfaces[i].absent = olx_material_absent(material);
+  }
+  return OLX_OK;
+}
+
 olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces) {
   olx_material_import import = {.path = gltf->path, .scene = gltf->scene}, merging = import;
   const uint32_t first = gltf->scene->material_count;
@@ -297,6 +323,7 @@ olx_result olx_gltf_import_materials(olx_gltf *gltf, olx_gltf_surface *surfaces)
   }
   if (result == OLX_OK) result = olx_import_load_textures(&import, first);
   if (result == OLX_OK) result = merge_textures(gltf, &merging, surfaces);
+  if (result == OLX_OK) result = apply_glass(gltf, surfaces);
   if (result == OLX_OK) olx_import_warn_about_materials(&import);
   if (result == OLX_OK && surfaces[gltf->materials.count].used) {
     olx_scene_warn(gltf->scene,

@@ -5,6 +5,7 @@
 #include "scene/gltf/gltf_glossiness.h"
 #include "scene/gltf/gltf_specular.h"
 #include "scene/gltf/gltf_texture.h"
+#include "scene/gltf/gltf_transmission.h"
 
 // The properties of a material that its primitives depend on.
 typedef struct olx_gltf_surface {
@@ -15,6 +16,7 @@ typedef struct olx_gltf_surface {
   bool converted;                // its textures are converted from KHR_materials_pbrSpecularGlossiness
   olx_gltf_specular specular;    // what the merged textures are made from
   olx_gltf_glossy_images glossy; // what the converted ones are made from
+  olx_gltf_glass glass;          // what it transmits
   olx_gltf_placements placements;
 } olx_gltf_surface;
 

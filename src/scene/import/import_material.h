@@ -18,7 +18,7 @@ typedef struct olx_material_import {
   olx_texture_table textures;
   olx_name_list clamped, repaired;
   olx_name_list blended;   // materials of partial opacity
-  olx_name_list glazed;    // materials whose transmission is a texture
+  olx_name_list glazed;    // materials whose transmission is left out
   olx_name_list tinted;    // materials with a specular colour (KHR_materials_specular)
   olx_name_list displaced; // materials whose specular textures use other coordinates than their roughness texture
   olx_name_list crowded;   // materials whose textures use more than two placements of coordinates

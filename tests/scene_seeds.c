@@ -74,7 +74,7 @@ static seed_file text_seed(const char *name, const char *opened, const char *tex
 
 static const float square_positions[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
 
-// Makes quantised, sparse and interleaved vertices with every attribute, strips and fans.
+// Makes quantised, sparse and interleaved vertices with every attribute, strips and fans, and joints.
 static void make_rich(gltf_maker *m) {
   const int16_t corners[16] = {0, 0, 0, 0, 1000, 0, 0, 0, 1000, 1000, 0, 0, 0, 1000, 0, 0};
   const int8_t normals[16] = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
@@ -97,14 +97,23 @@ static void make_rich(gltf_maker *m) {
                     "\"bufferView\": 6, \"sparse\": {\"count\": 1, \"indices\": {\"bufferView\": 7, "
                     "\"componentType\": 5123}, \"values\": {\"bufferView\": 8}}, ",
                     4, GLTF_FLOAT, "VEC3");
+  const uint8_t joints[16] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0};
+  const uint8_t weights[16] = {255, 0, 0, 0, 255, 0, 0, 0, 128, 127, 0, 0, 200, 55, 0, 0};
+  const float matrices[32] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,
+                              1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1};
+  gltf_add(m, joints, sizeof joints, 4, GLTF_UINT8, "VEC4", false);
+  gltf_add(m, weights, sizeof weights, 4, GLTF_UINT8, "VEC4", true);
+  gltf_add(m, matrices, sizeof matrices, 2, GLTF_FLOAT, "MAT4", false);
 }
 
 static const char rich_primitives[] =
     "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"TEXCOORD_1\": 2, \"COLOR_0\": 3, "
-    "\"TANGENT\": 4}, \"indices\": 5, \"mode\": 5, \"material\": 0}, {\"attributes\": {\"POSITION\": 7}, \"mode\": 6}";
+    "\"TANGENT\": 4, \"JOINTS_0\": 8, \"WEIGHTS_0\": 9}, \"indices\": 5, \"mode\": 5, \"material\": 0}, "
+    "{\"attributes\": {\"POSITION\": 7}, \"mode\": 6}";
 static const char rich_nodes[] = "[{\"children\": [1], \"scale\": [0.001, 0.001, 0.001]}, {\"mesh\": 0, \"skin\": 0}]";
 static const char rich_more[] =
-    ", \"scene\": 0, \"materials\": [{\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": "
+    ", \"scene\": 0, \"skins\": [{\"joints\": [0, 1], \"inverseBindMatrices\": 10}], \"materials\": [{\"alphaMode\": "
+    "\"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": "
     "{\"index\": "
     "0}}, \"normalTexture\": {\"index\": 0, \"texCoord\": 1, \"extensions\": {\"KHR_texture_transform\": {\"offset\": "
     "[0.5, "

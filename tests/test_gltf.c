@@ -540,13 +540,12 @@ static void instances_count_as_nodes(void **state) {
   olx_scene_free(load_model(path));
 }
 
-static void skins_and_morphs_are_warned_about(void **state) {
+static void morph_targets_are_warned_about(void **state) {
   gltf_maker m = {0};
   add_square(&m);
   olx_scene *scene = load_model(write_square_model(
       &m, *state, "{\"attributes\": {\"POSITION\": 0}, \"indices\": 3, \"targets\": [{\"POSITION\": 0}]}",
-      "[{\"mesh\": 0, \"skin\": 0}]", ""));
-  assert_model_warned(scene, "1 skinned meshes stand in their bind pose");
+      "[{\"mesh\": 0}]", ""));
   assert_model_warned(scene, "the morph targets of 1 meshes are ignored");
   olx_scene_free(scene);
 }
@@ -699,18 +698,25 @@ static void discard_message(void *user, olx_log_level level, const char *message
 static void files_are_refused_when_memory_ends(void **state) {
   const float colors[12] = {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0},
               tangents[16] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+  const uint8_t first_joint[16] = {0};
+  const float weights[16] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0},
+              matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   gltf_maker m = {0};
   add_square(&m);
   gltf_add(&m, colors, sizeof colors, 4, GLTF_FLOAT, "VEC3", false);
   gltf_add(&m, tangents, sizeof tangents, 4, GLTF_FLOAT, "VEC4", false);
   gltf_add_indices(&m, "EXT_meshopt_compression", true);
+  gltf_add(&m, first_joint, sizeof first_joint, 4, GLTF_UINT8, "VEC4", false);
+  gltf_add(&m, weights, sizeof weights, 4, GLTF_FLOAT, "VEC4", false);
+  gltf_add(&m, matrix, sizeof matrix, 1, GLTF_FLOAT, "MAT4", false);
   const char *path = write_square_model(
       &m, *state,
-      "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 4, \"TANGENT\": 5}, "
-      "\"indices\": 6, "
+      "{\"attributes\": {\"POSITION\": 0, \"NORMAL\": 1, \"TEXCOORD_0\": 2, \"COLOR_0\": 4, \"TANGENT\": 5, "
+      "\"JOINTS_0\": 7, \"WEIGHTS_0\": 8}, \"indices\": 6, "
       "\"material\": 0}, {\"attributes\": {\"POSITION\": 0}, \"indices\": 3}",
-      "[{\"mesh\": 0}]",
-      ", \"materials\": [{\"pbrMetallicRoughness\": {\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}}, "
+      "[{\"mesh\": 0, \"skin\": 0}]",
+      ", \"skins\": [{\"joints\": [0], \"inverseBindMatrices\": 9}], \"materials\": [{\"pbrMetallicRoughness\": "
+      "{\"metallicFactor\": 0, \"baseColorTexture\": {\"index\": 0}}, "
       "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}, \"normalTexture\": "
       "{\"index\": "
       "0" TRANSFORM("\"scale\": [2, 2]") "}}], \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"" FOUR_COLORS
@@ -757,7 +763,7 @@ int main(void) {
       WITH_FOLDER(instances_may_lack_attributes),
       WITH_FOLDER(instances_that_do_not_fit_are_refused),
       WITH_FOLDER(instances_count_as_nodes),
-      WITH_FOLDER(skins_and_morphs_are_warned_about),
+      WITH_FOLDER(morph_targets_are_warned_about),
       WITH_FOLDER(buffers_lie_in_files_beside_the_model),
       WITH_FOLDER(extensions_that_a_file_needs_are_refused_by_name),
       WITH_FOLDER(compressed_views_are_decoded),

@@ -173,14 +173,16 @@ static void read_element(const olx_gltf_accessor *a, const uint8_t *bytes, uint3
   }
 }
 
-static void read_elements(const olx_gltf_accessor *a, const uint8_t *bytes, uint32_t components, float *numbers) {
+// Reads `count` elements, which begin at `bytes`.
+static void read_elements(const olx_gltf_accessor *a, const uint8_t *bytes, uint64_t count, uint32_t components,
+                          float *numbers) {
   const size_t size_bytes = components * sizeof *numbers;
   const bool as_they_are = a->type == OLX_GLTF_FLOAT && components <= a->components;
   if (as_they_are && a->stride == size_bytes) {
-    memcpy(numbers, bytes, a->count * size_bytes);
+    memcpy(numbers, bytes, count * size_bytes);
     return;
   }
-  for (uint64_t i = 0; i < a->count; ++i, bytes += a->stride, numbers += components) {
+  for (uint64_t i = 0; i < count; ++i, bytes += a->stride, numbers += components) {
     if (as_they_are) memcpy(numbers, bytes, size_bytes);
     else read_element(a, bytes, components, numbers);
   }
@@ -226,9 +228,17 @@ olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_
   const olx_gltf_accessor *a = &gltf->accessor_data[accessor];
   const uint8_t *elements;
   OLX_TRY(find_elements(gltf, accessor, &elements));
-  if (elements) read_elements(a, elements, components, numbers);
+  if (elements) read_elements(a, elements, a->count, components, numbers);
   else clear_elements(a, components, numbers);
   return a->sparse.count ? replace_sparse(gltf, accessor, components, numbers) : OLX_OK;
+}
+
+olx_result olx_gltf_read_first_floats(const olx_gltf *gltf, uint32_t accessor, uint64_t count, uint32_t components,
+                                      float *numbers) {
+  const uint8_t *elements;
+  OLX_TRY(find_elements(gltf, accessor, &elements));
+  read_elements(&gltf->accessor_data[accessor], elements, count, components, numbers);
+  return OLX_OK;
 }
 
 static olx_result replace_sparse_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices) {

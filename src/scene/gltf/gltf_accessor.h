@@ -43,6 +43,9 @@ void olx_gltf_release_accessors(olx_gltf *gltf);
 // Reads the first `components` numbers of every element, `components` apart in `numbers`; where an element has fewer,
 // the others are unchanged. The caller provides room for all.
 olx_result olx_gltf_read_floats(const olx_gltf *gltf, uint32_t accessor, uint32_t components, float *numbers);
+// Reads the first `count` elements in the same way, of an accessor that has as many, and none that are sparse.
+olx_result olx_gltf_read_first_floats(const olx_gltf *gltf, uint32_t accessor, uint64_t count, uint32_t components,
+                                      float *numbers);
 // Reads an accessor of unsigned integers.
 olx_result olx_gltf_read_indices(const olx_gltf *gltf, uint32_t accessor, uint32_t *indices);
 

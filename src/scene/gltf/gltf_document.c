@@ -155,7 +155,7 @@ static olx_result collect_all(olx_gltf *gltf) {
   } lists[] = {{"buffers", &gltf->buffers},     {"bufferViews", &gltf->views}, {"accessors", &gltf->accessors},
                {"materials", &gltf->materials}, {"meshes", &gltf->meshes},     {"nodes", &gltf->nodes},
                {"scenes", &gltf->scenes},       {"images", &gltf->images},     {"textures", &gltf->textures},
-               {"samplers", &gltf->samplers},   {"cameras", &gltf->cameras}};
+               {"samplers", &gltf->samplers},   {"skins", &gltf->skins},       {"cameras", &gltf->cameras}};
   for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
     OLX_TRY(collect(gltf, gltf->root, lists[i].key, lists[i].list));
   }
@@ -171,10 +171,11 @@ olx_result olx_gltf_open(const char *path, olx_scene *scene, olx_gltf *gltf) {
 }
 
 void olx_gltf_close(olx_gltf *gltf) {
-  void *const lists[] = {gltf->buffers.elements,   gltf->views.elements,   gltf->accessors.elements,
-                         gltf->materials.elements, gltf->meshes.elements,  gltf->nodes.elements,
-                         gltf->scenes.elements,    gltf->images.elements,  gltf->textures.elements,
-                         gltf->samplers.elements,  gltf->cameras.elements, gltf->lights.elements};
+  void *const lists[] = {gltf->buffers.elements,   gltf->views.elements,  gltf->accessors.elements,
+                         gltf->materials.elements, gltf->meshes.elements, gltf->nodes.elements,
+                         gltf->scenes.elements,    gltf->images.elements, gltf->textures.elements,
+                         gltf->samplers.elements,  gltf->skins.elements,  gltf->cameras.elements,
+                         gltf->lights.elements};
   for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) olx_release(lists[i]);
   cJSON_Delete(gltf->root);
   olx_unmap_file(&gltf->file);

@@ -30,7 +30,7 @@ typedef struct olx_gltf {
   olx_mapped_file file;
   olx_gltf_bytes binary; // the part of a .glb after its JSON
   cJSON *root;
-  olx_gltf_list buffers, views, accessors, materials, meshes, nodes, scenes, images, textures, samplers, cameras,
+  olx_gltf_list buffers, views, accessors, materials, meshes, nodes, scenes, images, textures, samplers, skins, cameras,
       lights;
   olx_gltf_buffer *buffer_data;     // one per buffer
   olx_gltf_view *view_data;         // one per view

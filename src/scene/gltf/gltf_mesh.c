@@ -39,11 +39,9 @@ static const char *find_mismatch(const char *name, const olx_gltf_accessor *a) {
     size_t length;
     uint32_t fewest, most;
     const char *wanted;
-  } rows[] = {{"POSITION", 9, 3, 3, "three"},
-              {"NORMAL", 7, 3, 3, "three"},
-              {"TANGENT", 8, 4, 4, "four"},
-              {"TEXCOORD_", 9, 2, 2, "two"},
-              {"COLOR_0", 8, 3, 4, "three or four"}};
+  } rows[] = {{"POSITION", 9, 3, 3, "three"}, {"NORMAL", 7, 3, 3, "three"},          {"TANGENT", 8, 4, 4, "four"},
+              {"TEXCOORD_", 9, 2, 2, "two"},  {"COLOR_0", 8, 3, 4, "three or four"}, {"JOINTS_0", 9, 4, 4, "four"},
+              {"WEIGHTS_0", 10, 4, 4, "four"}};
   for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
     if (strncmp(name, rows[i].name, rows[i].length) != 0) continue;
     return fits_vector(a, rows[i].fewest, rows[i].most) ? NULL : rows[i].wanted;
@@ -146,7 +144,9 @@ typedef struct primitive_reader {
   const olx_gltf *gltf;
   const cJSON *primitive;
   const olx_gltf_surface *surface;
-  const olx_affine *transform;
+  const olx_gltf_pose *pose;
+  olx_affine *places; // transform of each vertex that follows joints; NULL: all have that of the pose
+  float side;         // -1: the vertices are mirrored
   olx_gltf_mesh_notes *notes;
   uint32_t vertices, corners;
   uint32_t *corner; // vertex of each corner
@@ -158,8 +158,8 @@ typedef struct primitive_reader {
 } primitive_reader;
 
 static void release_reader(primitive_reader *r) {
-  void *const arrays[] = {r->corner,     r->positions, r->normals,  r->uvs,
-                          r->second_uvs, r->colors,    r->tangents, r->indices};
+  void *const arrays[] = {r->places,     r->corner, r->positions, r->normals, r->uvs,
+                          r->second_uvs, r->colors, r->tangents,  r->indices};
   for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) olx_release(arrays[i]);
 }
 
@@ -175,6 +175,26 @@ static uint32_t usable_attribute(const primitive_reader *r, const char *name) {
   return OLX_GLTF_NONE;
 }
 
+static const olx_affine *transform_of(const primitive_reader *r, uint32_t vertex) {
+  return r->places ? &r->places[vertex] : r->pose->transform;
+}
+
+// Finds how vertices are placed. Joints seldom mirror a part of a mesh, so that the first vertex counts.
+static olx_result read_places(primitive_reader *r) {
+  const bool skinned = r->pose->skin != NULL;
+  const olx_gltf_bond bond = {skinned ? usable_attribute(r, "JOINTS_0") : OLX_GLTF_NONE,
+                              skinned ? usable_attribute(r, "WEIGHTS_0") : OLX_GLTF_NONE};
+  if (bond.joints != OLX_GLTF_NONE && bond.weights != OLX_GLTF_NONE) {
+    r->places = olx_allocate(r->vertices, sizeof *r->places);
+    if (!r->places) return no_memory(r);
+    OLX_TRY(olx_gltf_pose_vertices(r->gltf, r->pose->skin, &bond, r->vertices, r->places, &r->notes->unweighted));
+  } else if (skinned) {
+    r->notes->unweighted += r->vertices;
+  }
+  r->side = olx_affine_determinant(transform_of(r, 0)) < 0.0 ? -1.0f : 1.0f;
+  return OLX_OK;
+}
+
 static olx_result read_positions(primitive_reader *r) {
   const uint32_t index = find_attribute(r->gltf, r->primitive, "POSITION");
   r->positions = olx_allocate(r->vertices, sizeof *r->positions);
@@ -184,15 +204,13 @@ static olx_result read_positions(primitive_reader *r) {
   for (uint32_t i = 0; i < r->vertices; ++i) {
     const olx_vec3 p = r->positions[i];
     farthest = olx_max(farthest, olx_max3(olx_v3(fabsf(p.x), fabsf(p.y), fabsf(p.z))));
-    r->positions[i] = olx_affine_point(r->transform, p);
+    r->positions[i] = olx_affine_point(transform_of(r, i), p);
   }
   if (r->gltf->accessor_data[index].type == OLX_GLTF_FLOAT) {
-    olx_note_farthest(&r->notes->model, farthest, r->transform);
+    olx_note_farthest(&r->notes->model, farthest, transform_of(r, 0));
   }
   return OLX_OK;
 }
-
-static float side_of(const olx_affine *transform) { return olx_affine_determinant(transform) < 0.0 ? -1.0f : 1.0f; }
 
 static olx_result read_normals(primitive_reader *r) {
   const uint32_t index = usable_attribute(r, "NORMAL");
@@ -200,10 +218,10 @@ static olx_result read_normals(primitive_reader *r) {
   r->normals = olx_allocate(r->vertices, sizeof *r->normals);
   if (!r->normals) return no_memory(r);
   OLX_TRY(olx_gltf_read_floats(r->gltf, index, 3, &r->normals[0].x));
-  const olx_affine cofactors = olx_affine_normals(r->transform);
-  const float side = side_of(r->transform);
+  olx_affine cofactors = olx_affine_normals(r->pose->transform);
   for (uint32_t i = 0; i < r->vertices; ++i) {
-    r->normals[i] = olx_scale(olx_affine_vector(&cofactors, olx_normalize(r->normals[i])), side);
+    if (r->places) cofactors = olx_affine_normals(&r->places[i]);
+    r->normals[i] = olx_scale(olx_affine_vector(&cofactors, olx_normalize(r->normals[i])), r->side);
   }
   return OLX_OK;
 }
@@ -217,12 +235,11 @@ static olx_result read_tangents(primitive_reader *r) {
   r->tangents = olx_allocate(r->vertices, sizeof *r->tangents);
   if (!r->tangents) return no_memory(r);
   OLX_TRY(olx_gltf_read_floats(r->gltf, index, 4, &r->tangents[0].x));
-  const float side = side_of(r->transform);
   for (uint32_t i = 0; i < r->vertices; ++i) {
     const olx_vec4 t = r->tangents[i];
-    const olx_vec3 turned = olx_normalize(olx_affine_vector(r->transform, olx_normalize(olx_v3(t.x, t.y, t.z))));
+    const olx_vec3 turned = olx_normalize(olx_affine_vector(transform_of(r, i), olx_normalize(olx_v3(t.x, t.y, t.z))));
     const bool usable = olx_finite(turned) && olx_length(turned) > 0.5f;
-    r->tangents[i] = usable ? (olx_vec4){turned.x, turned.y, turned.z, t.w < 0.0f ? -side : side} : (olx_vec4){0};
+    r->tangents[i] = usable ? (olx_vec4){turned.x, turned.y, turned.z, t.w < 0.0f ? -r->side : r->side} : (olx_vec4){0};
   }
   return OLX_OK;
 }
@@ -292,7 +309,7 @@ static olx_result make_triangles(primitive_reader *r) {
   r->triangles = mode == MODE_TRIANGLES ? r->corners / 3 : r->corners - 2;
   r->indices = olx_allocate(r->triangles, 3 * sizeof *r->indices);
   if (!r->indices) return no_memory(r);
-  const bool mirrored = side_of(r->transform) < 0.0f;
+  const bool mirrored = r->side < 0.0f;
   for (uint32_t t = 0; t < r->triangles; ++t) {
     uint32_t places[3], *index = r->indices + (size_t)t * 3;
     find_corners(mode, t, places);
@@ -306,6 +323,7 @@ static olx_result make_triangles(primitive_reader *r) {
 static olx_result read_primitive(primitive_reader *r) {
   OLX_TRY(olx_gltf_decode_draco(r->gltf, r->primitive));
   r->vertices = (uint32_t)vertex_count(r->gltf, r->primitive);
+  OLX_TRY(read_places(r));
   OLX_TRY(read_positions(r));
   OLX_TRY(read_normals(r));
   OLX_TRY(read_tangents(r));
@@ -354,14 +372,13 @@ static bool has_triangles(const olx_gltf *gltf, const cJSON *primitive, const ol
 }
 
 static olx_result add_primitive(const olx_gltf *gltf, uint32_t mesh, const cJSON *primitive,
-                                const olx_gltf_surface *surfaces, const olx_affine *transform,
+                                const olx_gltf_surface *surfaces, const olx_gltf_pose *pose,
                                 olx_gltf_mesh_notes *notes) {
   uint32_t material;
   olx_gltf_index(primitive, "material", gltf->materials.count, &material);
   const olx_gltf_surface *surface = &surfaces[material == OLX_GLTF_NONE ? gltf->materials.count : material];
   if (!has_triangles(gltf, primitive, surface, &notes->model)) return OLX_OK;
-  primitive_reader reader = {
-      .gltf = gltf, .primitive = primitive, .surface = surface, .transform = transform, .notes = notes};
+  primitive_reader reader = {.gltf = gltf, .primitive = primitive, .surface = surface, .pose = pose, .notes = notes};
   olx_result result = read_primitive(&reader);
   if (result == OLX_OK) result = append_primitive(&reader, mesh);
   release_reader(&reader);
@@ -369,11 +386,11 @@ static olx_result add_primitive(const olx_gltf *gltf, uint32_t mesh, const cJSON
 }
 
 olx_result olx_gltf_add_mesh(const olx_gltf *gltf, uint32_t mesh, const olx_gltf_surface *surfaces,
-                             const olx_affine *transform, olx_gltf_mesh_notes *notes) {
+                             const olx_gltf_pose *pose, olx_gltf_mesh_notes *notes) {
   const cJSON *primitive = NULL;
   bool morphed = false;
   cJSON_ArrayForEach(primitive, olx_json_member(gltf->meshes.elements[mesh], "primitives")) {
-    OLX_TRY(add_primitive(gltf, mesh, primitive, surfaces, transform, notes));
+    OLX_TRY(add_primitive(gltf, mesh, primitive, surfaces, pose, notes));
     morphed |= cJSON_GetArraySize(olx_json_member(primitive, "targets")) > 0;
   }
   notes->morphed += morphed;

@@ -50,6 +50,9 @@ static olx_result check_node(const olx_gltf *gltf, uint32_t node) {
   if (!olx_gltf_index(element, "mesh", gltf->meshes.count, &index)) {
     return olx_gltf_fail(gltf, "nodes", node, "its mesh does not exist");
   }
+  if (!olx_gltf_index(element, "skin", gltf->skins.count, &index)) {
+    return olx_gltf_fail(gltf, "nodes", node, "its skin does not exist");
+  }
   if (!olx_gltf_index(element, "camera", gltf->cameras.count, &index)) {
     return olx_gltf_fail(gltf, "nodes", node, "its camera does not exist");
   }

@@ -8,6 +8,7 @@
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/gltf/gltf_node.h"
+#include "scene/gltf/gltf_skin.h"
 #include "scene/import/import_limits.h"
 
 #include <stdio.h>
@@ -15,8 +16,10 @@
 typedef struct gltf_import {
   olx_gltf *gltf;
   olx_gltf_roots roots;
-  olx_gltf_surface *surfaces; // one per material, and one for primitives without a material
-  bool *seen;                 // one per mesh of the file's scene
+  olx_gltf_surface *surfaces;  // one per material, and one for primitives without a material
+  bool *seen;                  // one per mesh of the file's scene
+  olx_gltf_node_place *places; // one per node
+  olx_gltf_skin *skins;        // one per skin, read when a mesh needs it
   olx_gltf_mesh_notes notes;
   uint32_t skinned;
 } gltf_import;
@@ -84,13 +87,13 @@ static olx_result check_amounts(const olx_gltf *gltf) {
 
 // ---- The file's scene
 
-// Marks the materials that the meshes of the scene's nodes use.
-static olx_result mark_used(void *user, uint32_t node, const olx_affine *transform) {
+// Records where a node is, and marks the materials that its mesh uses.
+static olx_result note_node(void *user, uint32_t node, const olx_affine *transform) {
   gltf_import *import = user;
   const olx_gltf *gltf = import->gltf;
   const uint32_t mesh = mesh_of(gltf, node);
   const cJSON *primitive = NULL;
-  (void)transform;
+  import->places[node] = (olx_gltf_node_place){true, *transform};
   if (mesh == OLX_GLTF_NONE || import->seen[mesh]) return OLX_OK;
   import->seen[mesh] = true;
   cJSON_ArrayForEach(primitive, olx_json_member(gltf->meshes.elements[mesh], "primitives")) {
@@ -110,18 +113,27 @@ static olx_result add_instances(gltf_import *import, uint32_t node, uint32_t mes
                              : olx_fail(OLX_ERROR_MEMORY, "%s: out of memory for %u instances", gltf->path, count);
   for (uint32_t i = 0; result == OLX_OK && i < count; ++i) {
     const olx_affine place = olx_affine_multiply(transform, &places[i]);
-    result = olx_gltf_add_mesh(gltf, mesh, import->surfaces, &place, &import->notes);
+    result = olx_gltf_add_mesh(gltf, mesh, import->surfaces, &(olx_gltf_pose){&place, NULL}, &import->notes);
   }
   olx_release(places);
   return result;
 }
 
+// Adds a mesh that joints place, whatever the transform of its node and however many places the node has.
+static olx_result add_skinned(gltf_import *import, uint32_t mesh, uint32_t index) {
+  olx_gltf_skin *skin = &import->skins[index];
+  if (!skin->joints) OLX_TRY(olx_gltf_read_skin(import->gltf, index, import->places, skin));
+  ++import->skinned;
+  return olx_gltf_add_mesh(import->gltf, mesh, import->surfaces, &(olx_gltf_pose){skin->joints, skin}, &import->notes);
+}
+
 static olx_result add_node(void *user, uint32_t node, const olx_affine *transform) {
   gltf_import *import = user;
   const uint32_t mesh = mesh_of(import->gltf, node);
+  uint32_t skin;
+  olx_gltf_index(import->gltf->nodes.elements[node], "skin", import->gltf->skins.count, &skin);
   if (mesh != OLX_GLTF_NONE) {
-    import->skinned += olx_json_member(import->gltf->nodes.elements[node], "skin") != NULL;
-    OLX_TRY(add_instances(import, node, mesh, transform));
+    OLX_TRY(skin == OLX_GLTF_NONE ? add_instances(import, node, mesh, transform) : add_skinned(import, mesh, skin));
   }
   OLX_TRY(olx_gltf_add_camera(import->gltf, node, transform));
   olx_gltf_add_light(import->gltf, node, transform);
@@ -132,7 +144,12 @@ static void warn_about_import(const gltf_import *import) {
   const olx_gltf *gltf = import->gltf;
   olx_warn_about_model(gltf->path, &import->notes.model, gltf->scene);
   if (import->skinned) {
-    olx_scene_warn(gltf->scene, "%s: %u skinned meshes stand in their bind pose", gltf->path, import->skinned);
+    olx_scene_warn(gltf->scene, "%s: %u skinned meshes stand as their joints do at rest", gltf->path, import->skinned);
+  }
+  if (import->notes.unweighted) {
+    olx_scene_warn(gltf->scene,
+                   "%s: %u vertices of skinned meshes have no usable weights, and follow their first joint", gltf->path,
+                   import->notes.unweighted);
   }
   if (import->notes.morphed) {
     olx_scene_warn(gltf->scene, "%s: the morph targets of %u meshes are ignored", gltf->path, import->notes.morphed);
@@ -147,8 +164,12 @@ static olx_result add_scene(gltf_import *import, const olx_affine *placement) {
   olx_gltf *gltf = import->gltf;
   import->surfaces = olx_allocate_zero((size_t)gltf->materials.count + 1, sizeof *import->surfaces);
   import->seen = olx_allocate_zero(gltf->meshes.count, sizeof *import->seen);
-  if (!import->surfaces || !import->seen) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
-  OLX_TRY(olx_gltf_walk(gltf, &import->roots, placement, mark_used, import));
+  import->places = olx_allocate_zero(gltf->nodes.count, sizeof *import->places);
+  import->skins = olx_allocate_zero(gltf->skins.count, sizeof *import->skins);
+  if (!import->surfaces || !import->seen || !import->places || !import->skins) {
+    return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", gltf->path);
+  }
+  OLX_TRY(olx_gltf_walk(gltf, &import->roots, placement, note_node, import));
   OLX_TRY(olx_gltf_import_materials(gltf, import->surfaces));
   OLX_TRY(olx_gltf_walk(gltf, &import->roots, placement, add_node, import));
   warn_about_import(import);
@@ -165,6 +186,7 @@ static olx_result read_file(gltf_import *import, const char *path, const olx_aff
   olx_gltf_mark_draco(gltf);
   OLX_TRY(olx_gltf_open_accessors(gltf));
   OLX_TRY(olx_gltf_check_meshes(gltf));
+  OLX_TRY(olx_gltf_check_skins(gltf));
   OLX_TRY(olx_gltf_check_instances(gltf));
   OLX_TRY(olx_gltf_find_roots(gltf, &import->roots));
   OLX_TRY(check_amounts(gltf));
@@ -178,6 +200,9 @@ olx_result olx_import_gltf(const char *path, const olx_affine *placement, olx_sc
   olx_release(import.roots.nodes);
   olx_release(import.surfaces);
   olx_release(import.seen);
+  olx_release(import.places);
+  for (uint32_t i = 0; import.skins && i < gltf.skins.count; ++i) olx_release(import.skins[i].joints);
+  olx_release(import.skins);
   olx_gltf_release_images(&gltf);
   olx_gltf_release_accessors(&gltf);
   olx_gltf_release_buffers(&gltf);

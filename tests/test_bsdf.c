@@ -297,6 +297,18 @@ static void a_dielectric_reflects_four_percent_and_the_rest_is_split(void **stat
   }
 }
 
+// A mirror shows no lamp without area; what lies below its specular lobe is lit as ever.
+static void a_mirror_shows_no_lamp(void **state) {
+  (void)state;
+  olx_bsdf b = {.albedo = {0.3f, 0.2f, 0.1f}, .f0 = {0.9f, 0.8f, 0.7f}, .f90 = 1.0f};
+  const olx_vec3 mirror = olx_bsdf_lamp_albedo(&b);
+  assert_near((double)mirror.x, 0.3, 1e-6);
+  assert_near((double)mirror.z, 0.1, 1e-6);
+  b.alpha = 0.01f;
+  const olx_vec3 rough = olx_bsdf_lamp_albedo(&b), matte = olx_bsdf_matte(&b).albedo;
+  assert_true(rough.x > 1.0f && rough.x == matte.x && rough.z == matte.z);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(normals_project_to_the_surface),
@@ -311,6 +323,7 @@ int main(void) {
       cmocka_unit_test(smooth_white_metal_loses_almost_nothing),
       cmocka_unit_test(weight_zero_is_exactly_lambertian),
       cmocka_unit_test(metals_have_no_diffuse_lobe),
+      cmocka_unit_test(a_mirror_shows_no_lamp),
       cmocka_unit_test(a_dielectric_reflects_four_percent_and_the_rest_is_split),
   };
   return cmocka_run_group_tests_name("bsdf", tests, NULL, NULL);

@@ -12,6 +12,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -176,6 +177,27 @@ static void textured_emission_is_drawn_by_its_mean_and_returns_its_texels(void *
     if (s.target.x > 2.0f) continue;
     assert_true(s.target.x > -0.05f || s.target.x < -0.45f);
   }
+  olx_scene_free(scene);
+}
+
+// Samples of a large texture may all miss a small lit spot, which is the scene's light all the same.
+static void a_small_spot_in_a_large_texture_is_a_light(void **state) {
+  (void)state;
+  enum { SIDE = 2048, SPOT = 8 };
+  uint8_t *texels = calloc((size_t)SIDE * SIDE, 4);
+  assert_non_null(texels);
+  for (uint32_t y = 300; y < 300 + SPOT; y++) memset(texels + 4 * ((size_t)y * SIDE + 1237), 255, 4 * SPOT);
+  olx_scene *scene = made_scene();
+  olx_material screen = glowing(olx_splat(100.0f), false);
+  screen.emission_texture = made_texture(scene, SIDE, SIDE, texels, false);
+  made_quad(scene, olx_splat(0.0f), olx_v3(1.0f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f), made_material(scene, &screen));
+  made_finish(scene);
+  free(texels);
+  assert_int_equal(olx_emitters_group_count(scene), 1);
+  // The triangle with the spot has all of the light.
+  const float pdf[2] = {olx_emitters_area_pdf(scene, 0), olx_emitters_area_pdf(scene, 1)};
+  assert_true((pdf[0] > 0.0f) != (pdf[1] > 0.0f));
+  assert_close((double)(pdf[0] + pdf[1]), 2.0, 1e-5);
   olx_scene_free(scene);
 }
 
@@ -522,6 +544,7 @@ int main(void) {
       cmocka_unit_test(slivers_are_sampled_without_breaking),
       cmocka_unit_test(triangles_are_drawn_by_area_times_luminance),
       cmocka_unit_test(textured_emission_is_drawn_by_its_mean_and_returns_its_texels),
+      cmocka_unit_test(a_small_spot_in_a_large_texture_is_a_light),
       cmocka_unit_test(sun_point_and_spot_arrive_as_defined),
       cmocka_unit_test(many_lights_of_a_kind_share_one_group_and_sum_up),
       cmocka_unit_test(kinds_of_lights_do_not_share_a_group),

@@ -556,6 +556,25 @@ static void test_field_of_another_scene_is_used_with_a_warning(void **state) {
   olx_scene_free(scene);
 }
 
+// Of two cameras each gets rays of both kinds, even if only one of them sees a surface.
+static void test_each_camera_is_judged_by_both_kinds_of_rays(void **state) {
+  (void)state;
+  const olx_material walls = tiny_lambert(0.5f, 0);
+  olx_scene *scene = tiny_scene();
+  tiny_box(scene, &walls);
+  const olx_camera cameras[] = {wide_camera(), tiny_camera(olx_v3(0, 50, 0), olx_v3(0, 90, 0), 60)};
+  for (int i = 0; i < 2; i++) ASSERT_OK(olx_scene_add_camera(scene, &cameras[i]));
+  tiny_finish(scene);
+  olx_field *field = uniform_field(scene->hash);
+  olx_audit_settings settings = audit_settings();
+  settings.rays = 400;
+  olx_audit found;
+  ASSERT_OK(olx_audit_field(scene, field, &settings, NULL, &found));
+  assert_true(found.cosine.count > 80 && found.mirror.count > 80);
+  analytic_field_free(field);
+  olx_scene_free(scene);
+}
+
 static void test_settings_out_of_range_are_refused(void **state) {
   (void)state;
   const olx_material walls = tiny_lambert(0.5f, 0);
@@ -600,6 +619,7 @@ static void test_audit_refuses_settings_out_of_range(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_each_camera_is_judged_by_both_kinds_of_rays),
       cmocka_unit_test(test_diffuse_light_is_reflectance_times_irradiance),
       cmocka_unit_test(test_glossy_light_is_directional_albedo_times_radiance),
       cmocka_unit_test(test_nothing_is_reflected_from_below_the_surface),

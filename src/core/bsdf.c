@@ -14,6 +14,15 @@ static float look_up(const float table[], float roughness) {
   return olx_mix(table[(int)first], table[(int)first + 1], x - first);
 }
 
+olx_vec3 olx_bsdf_lamp_albedo(const olx_bsdf *b) {
+  olx_bsdf seen = *b;
+  if (seen.alpha <= 0.0f) {
+    seen.f0 = olx_splat(0.0f);
+    seen.f90 = 0.0f;
+  }
+  return olx_bsdf_matte(&seen).albedo;
+}
+
 olx_bsdf olx_bsdf_matte(const olx_bsdf *b) {
   const float roughness = sqrtf(b->alpha), full = look_up(FULL_ALBEDO, roughness),
               grazing = look_up(GRAZING_ALBEDO, roughness);

@@ -131,5 +131,7 @@ static inline olx_vec3 olx_ggx_sample(float alpha, olx_vec3 view, olx_vec2 rando
 // Returns the Lambertian surface that reflects the same share of uniform light, averaged over views: the best model of
 // a surface when the view is unknown. The result has no specular lobe, and applying the function to it changes nothing.
 olx_bsdf olx_bsdf_matte(const olx_bsdf *bsdf);
+// Returns the albedo of that surface for light from lamps without area, of which a mirror shows none.
+olx_vec3 olx_bsdf_lamp_albedo(const olx_bsdf *bsdf);
 
 #endif

@@ -57,7 +57,7 @@ static olx_lamp_sight sight_of(const olx_field *field, const olx_trace_hit *hit,
   const olx_bsdf bsdf = olx_texel_material(field, hit->probe, hit->texel);
   sight.position = olx_madd(hit->position, hit->normal, OLX_OFF_SURFACE * seen_from);
   sight.normal = hit->normal;
-  sight.albedo = olx_bsdf_matte(&bsdf).albedo;
+  sight.albedo = olx_bsdf_lamp_albedo(&bsdf);
   return sight;
 }
 

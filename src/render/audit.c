@@ -53,7 +53,7 @@ static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
   const olx_vec2 random = olx_stratified2(index, seed);
   olx_ray ray = {.t_max = INFINITY};
   if (a->frame_count > 0) {
-    const olx_camera_frame *frame = &a->frames[index % a->frame_count];
+    const olx_camera_frame *frame = &a->frames[index / 2 % a->frame_count];
     ray.origin = frame->eye;
     ray.direction = olx_camera_direction(frame, random.x, random.y);
     return ray;
@@ -67,8 +67,7 @@ static olx_ray view_ray(const audit *a, uint32_t index, uint32_t seed) {
 }
 
 // Draws a random surface point that a camera sees; returns false when none of the directions tried hits one.
-static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx_surface *surface,
-                           olx_vec3 *towards) {
+static bool random_surface(const audit *a, uint32_t index, olx_ray_hit *hit, olx_surface *surface, olx_vec3 *towards) {
   for (uint32_t attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
     const olx_ray ray = view_ray(a, index, olx_hash3(a->settings->seed, 7, attempt));
     *hit = olx_bvh_intersect(a->scene->bvh, &ray);

@@ -73,7 +73,7 @@ void olx_fixtures_leave(const olx_render_context *context, olx_vec3 direction, f
                  of_lamps = olx_min_each(light_nearby(context, hit), stored);
   if (!(olx_max3(of_lamps) > 0.0f)) return;
   const olx_bsdf bsdf = olx_texel_material(field, hit->probe, hit->texel);
-  const float reflected = olx_luminance(olx_mul(olx_bsdf_matte(&bsdf).albedo, of_lamps)) * (1.0f / OLX_PI);
+  const float reflected = olx_luminance(olx_mul(olx_bsdf_lamp_albedo(&bsdf), of_lamps)) * (1.0f / OLX_PI);
   // Both densities are per square metre of the surface that the ray hit. That of points is the mean of the texel's
   // footprint, as its light is: at the hit itself it can be much lower, and the light of the whole footprint would stay.
   const float of_points = reflected / lamps->light, of_ray = density * cosine / olx_square(hit->distance_metres);

@@ -12,7 +12,7 @@
 #include "scene/spherical_triangle.h"
 
 // Most emissive triangles that are weighted for each shaded point; more are drawn by power alone.
-enum { MOST_WEIGHED = 32 };
+enum { MOST_WEIGHED = 32, MOST_TEXELS = 1 << 24 };
 
 // The properties of an emissive triangle that determine its weight.
 typedef struct panel {
@@ -57,8 +57,36 @@ static float covered_texels(const olx_scene *scene, uint32_t triangle, const olx
   return area * (float)texture->width * (float)texture->height;
 }
 
+// Returns the mean luminance over the texels of its emission texture that the triangle covers; 0 where they are too many
+// to look at, as where a small picture repeats often.
+static float mean_of_texels(const olx_scene *scene, uint32_t triangle, const olx_material *material) {
+  const olx_texture *texture = &scene->textures[material->emission_texture];
+  const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_EMISSION ? scene->second_uvs : scene->uvs;
+  const uint32_t *index = scene->indices + 3 * (size_t)triangle;
+  const olx_vec2 size = {(float)texture->width, (float)texture->height};
+  olx_vec2 p[3], low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
+  for (int i = 0; i < 3; i++) {
+    p[i] = (olx_vec2){uvs[index[i]].x * size.x, uvs[index[i]].y * size.y};
+    low = (olx_vec2){fminf(low.x, floorf(p[i].x)), fminf(low.y, floorf(p[i].y))};
+    high = (olx_vec2){fmaxf(high.x, ceilf(p[i].x)), fmaxf(high.y, ceilf(p[i].y))};
+  }
+  const float whole = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+  if (!((high.x - low.x) * (high.y - low.y) <= MOST_TEXELS) || whole == 0.0f) return 0.0f;
+  double sum = 0.0, count = 0.0;
+  for (float y = low.y + 0.5f; y < high.y; y++) {
+    for (float x = low.x + 0.5f; x < high.x; x++) {
+      const float v = ((x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (y - p[0].y)) / whole;
+      const float w = ((p[1].x - p[0].x) * (y - p[0].y) - (x - p[0].x) * (p[1].y - p[0].y)) / whole;
+      if (!(v >= 0.0f && w >= 0.0f && v + w <= 1.0f)) continue;
+      sum += (double)olx_luminance(olx_surface_emission(scene, triangle, v, w));
+      count++;
+    }
+  }
+  return count > 0.0 ? (float)(sum / count) : 0.0f;
+}
+
 // Returns the mean luminance of the triangle's emission: a few samples per texel, between 16 and 1024 in all, when it
-// is textured.
+// is textured. Spots between the samples of a large texture may hold all of its light.
 static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
   const olx_material *material = &scene->materials[scene->material_index[triangle]];
   if (!(olx_max3(material->emission) > 0.0f)) return 0.0f;
@@ -70,7 +98,7 @@ static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
     const olx_vec2 uv = olx_sample_triangle(olx_hammersley(i, count));
     sum += olx_luminance(olx_surface_emission(scene, triangle, uv.x, uv.y));
   }
-  return sum / (float)count;
+  return sum > 0.0f || texels <= 512.0f ? sum / (float)count : mean_of_texels(scene, triangle, material);
 }
 
 static panel make_panel(const olx_scene *scene, uint32_t triangle, float probability) {

@@ -19,7 +19,7 @@ static void look(const void *user, olx_vec3 from, const olx_vec3 *directions, ui
                                  .known = true,
                                  .position = olx_madd(s.position, s.geometric_normal, s.epsilon),
                                  .normal = s.geometric_normal,
-                                 .albedo = olx_bsdf_matte(&s.bsdf).albedo,
+                                 .albedo = olx_bsdf_lamp_albedo(&s.bsdf),
                                  .needs = olx_input_of_material(s.material)};
   }
 }

@@ -91,13 +91,13 @@ static place place_of(const olx_scene *scene, const olx_surface_point *p) {
   return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
 }
 
-// Returns whether nothing lies between two neighbouring places.
+// Returns whether nothing lies between two neighbouring places, not even a pane that lets a part of the light pass.
 static bool is_clear(const olx_light_surfels *s, place from, place to) {
   const float lift =
       LIFT_OF_DISTANCE * olx_length(olx_sub(to.position, from.position)) + LIFT_OF_WORLD * s->grid.coarsest;
   const olx_vec3 begin = olx_madd(from.position, from.normal, lift), end = olx_madd(to.position, to.normal, lift);
   const olx_ray ray = {.origin = begin, .direction = olx_sub(end, begin), .t_min = 0.0f, .t_max = 1.0f};
-  return !olx_bvh_occluded(s->scene->bvh, &ray);
+  return olx_bvh_transmittance(s->scene->light_bvh, &ray) >= 1.0f;
 }
 
 bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface *surface) {

@@ -277,6 +277,37 @@ class Images(Packaged):
         self.assertTrue(0 < found.flip <= 1 and found.ssim < 1)
         self.assertEqual((octalux.compare(a, a).mse, octalux.compare(a, a).ssim), (0, 1))
 
+    def test_layers_can_be_replaced(self):
+        random = np.random.default_rng(5)
+        values = {"beauty": random.uniform(0, 1, (16, 20, 3)), "depth": random.uniform(1, 2, (16, 20))}
+        upright, replaced = octalux.Image(values), octalux.Image(values)
+        for name, array in values.items():
+            replaced.layers[name] = array.astype(np.float32)[::-1]
+            flipped = octalux.Image({name: array[::-1].copy()})
+            self.assertEqual(octalux.compare(replaced, upright, name), octalux.compare(flipped, upright, name))
+            replaced.layers[name] = array  # doubles
+            self.assertEqual(octalux.compare(replaced, upright, name).mse, 0)
+        replaced.layers["beauty"] = values["beauty"][:, ::-1]
+        replaced.save(self.path / "replaced.exr")
+        saved = octalux.load_image(self.path / "replaced.exr")["beauty"]
+        np.testing.assert_array_equal(saved, values["beauty"].astype(np.float32)[:, ::-1])
+
+    def test_layers_of_another_shape_are_refused(self):
+        path, reference = self.path / "refused.exr", octalux.Image({"beauty": np.ones((4, 5, 3))})
+        for name, shape in (("beauty", (4, 4, 3)), ("beauty", (3, 5, 3)), ("beauty", (4, 5)), ("beauty", (4, 5, 4)),
+                            ("beauty", ()), ("depth", (4, 4)), ("depth", (4, 5, 3)), ("glow", (4, 5, 3))):
+            picture = octalux.Image({"beauty": np.ones((4, 5, 3))})
+            picture.layers[name] = np.ones(shape)
+            with self.assertRaisesRegex(ValueError, name):
+                picture.save(path)
+            with self.assertRaisesRegex(ValueError, name):
+                octalux.compare(reference, picture)
+        picture = octalux.Image({"beauty": np.ones((4, 5, 3))})
+        picture.width = 6
+        with self.assertRaisesRegex(ValueError, "height 4 and width 6"):
+            picture.save(path)
+        self.assertFalse(path.exists())
+
     def test_pictures_that_do_not_go_together_are_refused(self):
         a, b = octalux.Image({"beauty": np.ones((4, 5, 3))}), octalux.Image({"beauty": np.ones((5, 4, 3))})
         self.refused(octalux.Result.ARGUMENT, "", octalux.compare, a, b)

@@ -19,6 +19,7 @@ class Image:
     """Layers of 32-bit floats by their names: "beauty", "direct", "indirect_diffuse", "indirect_glossy", "albedo", "normal" and
     "standard_error" of shape (height, width, 3), "depth" of shape (height, width); row 0 is at the top. Light layers are radiance
     in W/(sr m^2), linear Rec.709; depth is in metres along the viewing axis, infinite for the sky.
+    A layer may be replaced by an array of the same shape; `save` and `compare` raise ValueError for another shape.
     """
 
     def __init__(self, layers: Mapping[str, Any], bounces: int | None = None):
@@ -26,11 +27,7 @@ class Image:
         self.layers: dict[str, np.ndarray] = {}
         self.bounces = bounces
         for name, values in layers.items():
-            native.number("layer", name)
-            array = np.ascontiguousarray(values, dtype=np.float32)
-            if array.ndim != (2 if name == "depth" else 3) or (name != "depth" and array.shape[2] != 3):
-                raise ValueError(f"{name}: an array of shape {array.shape} is no layer of an image")
-            self.layers[name] = array
+            self.layers[name] = _layer(name, values)
         sizes = {array.shape[:2] for array in self.layers.values()}
         if len(sizes) != 1 or 0 in min(sizes):
             raise ValueError(f"layers of sizes {sorted(sizes)} where one is wanted")
@@ -46,15 +43,27 @@ class Image:
             native.check(library.olx_image_save(image, os.fsencode(path)))
 
 
+def _layer(name: str, values: Any, size: tuple[int, int] | None = None) -> np.ndarray:
+    """A layer as the library reads it, of that height and width where they are given."""
+    native.number("layer", name)
+    array = np.ascontiguousarray(values, dtype=np.float32)
+    if array.ndim != (2 if name == "depth" else 3) or (name != "depth" and array.shape[2] != 3):
+        raise ValueError(f"{name}: an array of shape {array.shape} is no layer of an image")
+    if size is not None and array.shape[:2] != size:
+        raise ValueError(f"{name}: an array of shape {array.shape} in an image of height {size[0]} and width {size[1]}")
+    return array
+
+
 class _Borrowed:
-    """An olx_image whose layers are those of an `Image`."""
+    """An olx_image whose layers are those of an `Image`, where callers may have put other arrays since it was made."""
 
     def __init__(self, image: Image):
         self.struct = native.Image(width=image.width, height=image.height)
         self.struct.bounces_known = image.bounces is not None
         self.struct.bounces = image.bounces or 0
         self.kept = []
-        for name, array in image.layers.items():
+        for name, values in image.layers.items():
+            array = _layer(name, values, (image.height, image.width))
             if name == "depth":
                 array = np.ascontiguousarray(np.stack([array, np.zeros_like(array), np.zeros_like(array)], -1))
             self.kept.append(array)

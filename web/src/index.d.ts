@@ -42,8 +42,8 @@ export class OctaluxField {
   readonly offset: Vector3;
 
   /**
-   * Lights a standard or physical material; returns it. Replaces its onBeforeCompile and onBeforeRender. Throws a TypeError for another
-   * material, and for part 'glossy' of a field without glossy light (`info.glossy`).
+   * Lights a standard or physical material, in place of a field that lit it before; returns it. Replaces its onBeforeCompile and
+   * onBeforeRender. Throws a TypeError for another material, and for part 'glossy' of a field without glossy light (`info.glossy`).
    */
   light<M extends MeshStandardMaterial>(material: M, options?: LightOptions): M;
   /** Lights every standard and physical material below `root`; returns how many materials there are. */

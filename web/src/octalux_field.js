@@ -15,6 +15,7 @@ const ADDED = {
   depthWrite: false, depthFunc: EqualDepth,
 };
 const CAGE = 1, VORONOI = 2, BRICKS = 8; // bits of select_mask
+const lightings = new WeakMap(); // by material, an object whose `field` is the one that lit the material last
 
 // Returns the selector of a field, as OLX_SELECT_BEST in octalux/sample.h.
 function selectorOf(mask) {
@@ -64,7 +65,10 @@ export class OctaluxField {
     if (!material.isMeshStandardMaterial) throw new TypeError('a field lights MeshStandardMaterial and MeshPhysicalMaterial');
     if (!PARTS.includes(part)) throw new TypeError(`part is '${part}', not one of ${PARTS.join(', ')}`);
     const choice = { defines: this.defines, moving, part: this.#partOf(part) };
-    material.onBeforeCompile = (shader) => patchShader(shader, this.uniforms, choice);
+    const lighting = lightings.get(material) ?? {};
+    lighting.field = this;
+    lightings.set(material, lighting);
+    material.onBeforeCompile = (shader) => patchShader(shader, lighting, choice);
     material.onBeforeRender = (renderer) => renderer.getCurrentViewport(this.uniforms.olx_viewport.value);
     material.customProgramCacheKey = () => `octalux ${this.defines} ${moving} ${choice.part}`;
     if (part === 'glossy') Object.assign(material, ADDED);

@@ -168,9 +168,17 @@ function replaceOnce(text, chunk, replacement) {
   return parts.join(replacement);
 }
 
-/** Changes the shader of a standard or physical material, which onBeforeCompile receives. */
-export function patchShader(shader, uniforms, { defines, moving, part }) {
-  Object.assign(shader.uniforms, uniforms);
+// Adds the uniforms of the field that lights the material when it is drawn. three.js keeps a shader's uniforms for as
+// long as it keeps the shader, so each looks up the field.
+function addUniforms(uniforms, lighting) {
+  for (const name of Object.keys(lighting.field.uniforms)) {
+    Object.defineProperty(uniforms, name, { get: () => lighting.field.uniforms[name], enumerable: true });
+  }
+}
+
+/** Changes the shader of a standard or physical material, which onBeforeCompile receives; lit by `lighting.field`. */
+export function patchShader(shader, lighting, { defines, moving, part }) {
+  addUniforms(shader.uniforms, lighting);
   const define = (name, wanted) => (wanted ? `#define ${name}\n` : '');
   const chosen = defines + define('OLX_MOVING', moving) + define('OLX_DIFFUSE', part !== 'glossy') + define('OLX_GLOSSY', part !== 'diffuse');
   shader.vertexShader = replaceOnce(VERTEX_DECLARATIONS + shader.vertexShader, '#include <project_vertex>', VERTEX);

@@ -15,6 +15,7 @@ import sys
 import threading
 
 import browser
+import read_png
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bench"))
 import exr_picture  # noqa: E402
 
@@ -57,6 +58,11 @@ def channels_of(name, values, channels="RGB"):
         return [value for y in reversed(range(HEIGHT)) for value in plane[y * WIDTH:(y + 1) * WIDTH]]
 
     return {"%s.%s" % (name, channel): upright(values[i::4]) for i, channel in enumerate(channels)}
+
+
+def brightness(path):
+    """Of a picture, 0 to 255."""
+    return read_png.mean(read_png.read(path))
 
 
 # ---- The page
@@ -144,6 +150,23 @@ def use_tools(page, shot):
     page.click("#reset")
 
 
+def lose_context(page, shot):
+    """Takes the device away in the middle of a frame, and gives it back: the page draws on, what it drew before."""
+    page.value("void (window.gl = document.getElementById('view').getContext('webgl2'))")
+    page.value("void (window.device = gl.getExtension('WEBGL_lose_context'))")
+    wait_for_frame(page)
+    before, shown = read_layer(page, "picture", 1), brightness(shot("before-loss"))
+    page.value("new Promise((done) => requestAnimationFrame(() => { device.loseContext(); done(); }))")
+    page.settle()
+    page.value("device.restoreContext()")
+    for _ in range(3):  # the first picture is small
+        wait_for_frame(page)
+    after, shown_again = read_layer(page, "picture", 1), brightness(shot("after-loss"))
+    difference = sum(abs(a - b) for a, b in zip(after, before)) / sum(before)
+    check(difference < 1e-3, "a restored device draws the same picture: %.2g of its light differs" % difference)
+    check(abs(shown_again / shown - 1) < 0.1, "a restored device shows it: mean %.1f, %.1f before" % (shown_again, shown))
+
+
 def watch_light(page, address, options):
     """Waits for both kinds of light; returns when they came, and what it took."""
     begun = processor_seconds(page.process.pid)
@@ -198,7 +221,12 @@ def read_options():
 def main(options):
     address = serve(options.folder)
     page = browser.Page(WIDTH, HEIGHT, gpu=SWIFTSHADER, server=address)
-    shot = lambda name: page.screenshot(os.path.join(options.output, name + ".png"), full=False)
+
+    def shot(name):
+        path = os.path.join(options.output, name + ".png")
+        page.screenshot(path, full=False)
+        return path
+
     try:
         if options.no_blocks:
             page.hide_extensions(BLOCKS)
@@ -209,6 +237,7 @@ def main(options):
             read_light(page, options.output, options)
         if not options.light_only:
             use_tools(page, shot)
+            lose_context(page, shot)
             show_at_sizes(page, shot)
         with open(os.path.join(options.output, "times.json"), "w", encoding="utf-8") as file:
             json.dump(times, file)

@@ -36,6 +36,7 @@ let answered = 0; // the last change that a small picture has shown
 let glossyMoves = true; // whether reflections are drawn while things move
 let isDrawn = () => true, begun = 0; // whether the device has drawn the last frame, and its start
 let drawing = false; // whether frames are drawn
+let restored = 0; // how often a lost context was restored
 
 function changed() {
   lastChange = seconds();
@@ -166,11 +167,14 @@ function place() {
 }
 
 // Returns a function that tells whether the device has done all that was called until now. Calls return long before it
-// is done, so only this shows how long a frame takes, and without it frames would queue up.
+// is done, so only this shows how long a frame takes, and without it frames would queue up. A lost context does nothing
+// until it is restored, and has then forgotten the fence.
 function submit() {
-  const gl = renderer.getContext(), fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  const gl = renderer.getContext(), fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), before = restored;
   gl.flush();
   return () => {
+    if (restored !== before) return true;
+    if (gl.isContextLost()) return false;
     const done = gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
     if (done) gl.deleteSync(fence);
     return done;
@@ -196,16 +200,33 @@ function draw() {
   state.frames++;
 }
 
+// Waits with drawing until a lost context is restored.
+function lose() {
+  isDrawn = () => !renderer.getContext().isContextLost();
+  picture.release();
+}
+
+// Draws everything again, shadows included. three.js makes textures and shaders for a restored context by itself.
+function restore() {
+  restored++;
+  begun = 0;
+  renderer.shadowMap.needsUpdate = true;
+  picture.restore();
+  changed();
+}
+
 // ---- Stages: diffuse light first; then glossy light, drawn over it by shaders of its own, which compile while the
 // user looks around.
 
-// Draws a small picture, and waits until the device has drawn it.
+// Draws a small picture, and waits until the device has drawn it; once more where the context was lost meanwhile.
 async function drawFirst() {
+  const before = restored;
   place();
   resizePicture(Math.min(LEAST_SCALE, Math.sqrt(FIRST_PIXELS / (innerWidth * innerHeight)) / renderer.getPixelRatio()));
   picture.draw(scenes, camera, field);
   const isDone = submit();
   while (!isDone()) await new Promise(requestAnimationFrame);
+  if (restored !== before) await drawFirst();
 }
 
 function beginDrawing() {
@@ -321,6 +342,8 @@ function haveTools() {
 
 async function start() {
   showProgress('Loading the room', 0);
+  byId('view').addEventListener('webglcontextlost', lose);
+  byId('view').addEventListener('webglcontextrestored', restore);
   const [gltf, loaded] = await load();
   field = loaded;
   room = gltf.scene;

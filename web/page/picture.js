@@ -27,13 +27,17 @@ function halton(index, base) {
   return result;
 }
 
+// Returns whether pictures of floats can be drawn and added up, which a context allows once it was asked for both.
+function enableFloats(renderer) {
+  return ['EXT_color_buffer_float', 'EXT_float_blend'].every((name) => renderer.extensions.has(name));
+}
+
 export class Picture {
   constructor(renderer) {
     this.renderer = renderer;
     this.camera = new OrthographicCamera();
     // All passes with a field draw to this one format, since drivers compile shaders again for another one.
-    const floats = ['EXT_color_buffer_float', 'EXT_float_blend'].every((name) => renderer.extensions.has(name));
-    this.type = floats ? FloatType : HalfFloatType;
+    this.type = enableFloats(renderer) ? FloatType : HalfFloatType;
     this.frame = new WebGLRenderTarget(1, 1, { type: this.type });
     this.mean = new WebGLRenderTarget(1, 1, { type: this.type, depthBuffer: false });
     this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: FloatType, depthBuffer: false });
@@ -48,6 +52,17 @@ export class Picture {
 
   restart() {
     this.count = this.rows = 0;
+  }
+
+  // Releases what a lost context held. Once that is restored, it refuses to delete what it had before.
+  release() {
+    for (const target of [this.frame, this.mean, this.probe]) target.dispose();
+  }
+
+  // Begins again in a restored context.
+  restore() {
+    enableFloats(this.renderer);
+    this.restart();
   }
 
   resize(width, height) {

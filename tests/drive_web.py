@@ -204,6 +204,19 @@ def show_at_sizes(page, shot):
         shot(name)
 
 
+def show_without_webgl(page, address):
+    """A browser without WebGL 2 says so."""
+    known = len(page.problems)
+    page.call("Page.addScriptToEvaluateOnNewDocument", source="HTMLCanvasElement.prototype.getContext = () => null")
+    page.visit(address)
+    page.wait("window.octalux && octalux.state.stage === 'failed'", 60)
+    said = page.value("document.getElementById('loading').innerText")
+    wanted = "This room cannot be shown: this browser has no WebGL 2, or it is turned off"
+    check(said == wanted, "without WebGL it says " + said)
+    check(page.value("document.getElementById('progress').hidden"), "without WebGL nothing seems to load")
+    del page.problems[known:]  # the console names the cause as well
+
+
 def read_options():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder")
@@ -239,6 +252,7 @@ def main(options):
             use_tools(page, shot)
             lose_context(page, shot)
             show_at_sizes(page, shot)
+            show_without_webgl(page, address)
         with open(os.path.join(options.output, "times.json"), "w", encoding="utf-8") as file:
             json.dump(times, file)
         for problem in page.problems:

@@ -22,8 +22,11 @@ const seconds = () => performance.now() / 1000;
 
 // State that the page shows to tests, and to users of the console.
 const state = { stage: 'loading', diffuseSeconds: null, glossySeconds: null, frames: 0 };
+window.octalux = {
+  state, readLayer, get camera() { return camera; }, get field() { return field; }, get ball() { return ball; },
+};
 
-const renderer = new WebGLRenderer({ canvas: byId('view'), antialias: false, powerPreference: 'high-performance' });
+const renderer = makeRenderer();
 renderer.toneMapping = ACESFilmicToneMapping;
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = PCFShadowMap;
@@ -58,6 +61,14 @@ function fail(error) {
   byId('progress').hidden = true;
   byId('stage').textContent = `This room cannot be shown: ${error.message}`;
   throw error;
+}
+
+function makeRenderer() {
+  try {
+    return new WebGLRenderer({ canvas: byId('view'), antialias: false, powerPreference: 'high-performance' });
+  } catch (cause) {
+    fail(new Error('this browser has no WebGL 2, or it is turned off', { cause }));
+  }
 }
 
 async function load() {
@@ -428,5 +439,4 @@ function readLayer(layer, width, height, samples) {
   return base64Of(new Uint8Array(pixels.buffer));
 }
 
-window.octalux = { state, readLayer, get camera() { return camera; }, get field() { return field; }, get ball() { return ball; } };
 start().catch(fail);

@@ -42,7 +42,7 @@ bench: check-packages build
 	@python3 bench/studies.py
 
 install: build
-	@cmake --install build/release --prefix $(PREFIX)
+	@cmake --install build/release --prefix "$(PREFIX)"
 
 wheel: build
 	@python3 python/wheel_backend.py build/release build/wheel

@@ -6,6 +6,9 @@ build=$(realpath "$1") source=$(realpath "$2")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 prefix=$work/prefix
+# A user's paths may have spaces, and letters beyond ASCII.
+examples="$work/größere und kleinere"
+cp -r "$source/examples" "$examples"
 
 fail() {
   echo "$1" >&2
@@ -44,7 +47,7 @@ for file in "$prefix"/bin/* "$libraries"/*.so; do
   if readelf -d "$file" | grep -E 'R(UN)?PATH' | grep -vE '\[\$ORIGIN[^:]*\]'; then fail "$file looks for libraries elsewhere"; fi
 done
 
-cmake -S "$source/examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
+cmake -S "$examples" -B "$work/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release
 cmake --build "$work/examples"
 "$work/examples/bake_and_render" builtin:cornell "$work/cornell.olx" "$work/cornell.png"
 head -c 4 "$work/cornell.png" | grep -q PNG
@@ -55,7 +58,7 @@ compiled() {
   local name=$1 package=$2 flags
   shift 2
   read -ra flags <<<"$(pkg-config --cflags --libs "$package")"
-  cc -std=c17 "$source/examples/$name.c" "$@" "${flags[@]}" -o "$work/$name-$package"
+  cc -std=c17 "$examples/$name.c" "$@" "${flags[@]}" -o "$work/$name-$package"
 }
 compiled minimal octalux
 LD_LIBRARY_PATH=$libraries needs_only "$work/minimal-octalux" 'liboctalux\.so'
@@ -69,7 +72,7 @@ cmp "$work/cornell.olx" "$work/again.olx"
 if [ -e "$libraries/liboctalux.a" ]; then
   needs_only "$work/examples/minimal" '^$'
   printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(shared LANGUAGES C)' 'find_package(octalux REQUIRED)' \
-    "add_executable(minimal $source/examples/minimal.c)" 'target_link_libraries(minimal octalux::octalux-shared)' \
+    "add_executable(minimal \"$examples/minimal.c\")" 'target_link_libraries(minimal octalux::octalux-shared)' \
     >"$work/CMakeLists.txt"
   cmake -S "$work" -B "$work/shared" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
   cmake --build "$work/shared" >/dev/null

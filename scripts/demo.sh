@@ -71,7 +71,7 @@ walk_through() {
   say "flat: a page to walk through it"
   if "$program" export web "$1" --field "$2" -o "$out/walk" >"$out/log.txt" 2>&1; then
     walk='<p><a href="walk/index.html">Walk through this room</a>, once a server shows this folder: browsers load its parts from no other'
-    walk+=" place.</p><pre>python3 -m http.server --directory $out</pre>"
+    walk+=" place.</p><pre>python3 -m http.server --directory $(printf %q "$out")</pre>"
   else
     say "there is none: $(tail -n 1 "$out/log.txt")"
   fi

@@ -5,6 +5,7 @@ tasks of the first step at once, then the second. Each must make FIELD.olx, byte
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -78,7 +79,8 @@ def main(path, folder, scene, wanted):
     with open(path, encoding="utf-8") as file:
         page = file.read()
     script = block(page, "sh", "#!/usr/bin/env bash\n# part.sh")
-    for old, new in ("builtin:temple --grid 8x8x8", scene), ("sleep 10", "sleep 0.1"), ("/shared", folder), ("--threads 4", "--threads 1"):
+    for old, new in (("builtin:temple --grid 8x8x8", scene), ("sleep 10", "sleep 0.1"), ("/shared", shlex.quote(folder)),
+                     ("--threads 4", "--threads 1")):
         if old not in script:
             sys.exit("part.sh has no '%s'" % old)
         script = script.replace(old, new)

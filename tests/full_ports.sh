@@ -21,7 +21,7 @@ mkdir "$work/headers"
 ln -s /usr/include/xxhash.h /usr/include/xxh3.h "$work/headers"
 port here
 port plain -DOCTALUX_SYSTEM=plain
-port musl -DCMAKE_C_COMPILER=musl-gcc "-DCMAKE_C_FLAGS=-isystem $work/headers" -DCMAKE_EXE_LINKER_FLAGS=-static
+port musl -DCMAKE_C_COMPILER=musl-gcc "-DCMAKE_C_FLAGS=-isystem \"$work/headers\"" -DCMAKE_EXE_LINKER_FLAGS=-static
 port arm64 -DCMAKE_TOOLCHAIN_FILE="$OCTALUX_SOURCE_DIR/cmake/aarch64-linux-gnu.cmake"
 
 "$OCTALUX" bake builtin:cornell -o "$work/cornell.olx" --grid 3x2x2 --radiance-size 64 --irradiance-size 32 --probe-light --relight

@@ -7,11 +7,11 @@ bake=(bake builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
 expect 0 "${bake[@]}" -o whole.olx
 mkdir one
 losses=0
-for disk in "$OCTALUX_FULL_DISK" "$OCTALUX_FULL_DISK:$OCTALUX_NAMED_FILES"; do
+for disk in "$OCTALUX_FULL_DISK" "$OCTALUX_FULL_DISK:${OCTALUX_NAMED_FILES##*/}"; do
   for ((syncs = 0; syncs < 1000; syncs += ${1:-7})); do
     printf 'the old field' >one/a.olx
     code=0
-    env LD_PRELOAD="$disk" OCTALUX_SYNCS=$syncs OCTALUX_POWER_LOSS=1 "$OCTALUX" "${bake[@]}" -o one/a.olx --work one/work \
+    preloading "$disk" OCTALUX_SYNCS=$syncs OCTALUX_POWER_LOSS=1 "$OCTALUX" "${bake[@]}" -o one/a.olx --work one/work \
       >stdout.txt 2>stderr.txt || code=$?
     if [ $code = 0 ]; then
       cmp -s one/a.olx whole.olx || fail "another field although the power stayed"

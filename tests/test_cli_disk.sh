@@ -5,8 +5,8 @@
 : "${OCTALUX_UNREADABLE_FILES:?the library that stands for files that cannot be opened}"
 bake=(bake builtin:cornell --grid 2x1x2 --radiance-size 16 --noise 0.3)
 
-# on_disk VARIABLE=VALUE...: the environment of a program on a disk with faults. A sanitizer would rather come first.
-on_disk() { env LD_PRELOAD="$OCTALUX_FULL_DISK" ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" "$@"; }
+# on_disk VARIABLE=VALUE... COMMAND...: runs a command on a disk with faults.
+on_disk() { preloading "$OCTALUX_FULL_DISK" "$@"; }
 
 expect 0 "${bake[@]}" -o whole.olx
 
@@ -63,8 +63,8 @@ cmp -s roomy/a.olx whole.olx || fail "another field after a work folder without 
 # A unit of each stage that cannot be opened for now: none is lost, and the field is the same, at once or with the next
 # bake.
 with_unreadable() {
-  env LD_PRELOAD="$OCTALUX_UNREADABLE_FILES" ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" \
-    OCTALUX_UNREADABLE="$1" "$OCTALUX" "${bake[@]}" -o once.olx --work again --keep-work
+  preloading "$OCTALUX_UNREADABLE_FILES" OCTALUX_UNREADABLE="$1" \
+    "$OCTALUX" "${bake[@]}" -o once.olx --work again --keep-work
 }
 expect 0 "${bake[@]}" -o once.olx --work sound --keep-work
 units=$(ls sound | grep -v '^manifest' | sort -t - -k 1,1 -k 2,2nr | sort -t - -k 1,1 -u -s)

@@ -148,7 +148,7 @@ complains 1 "a work folder cannot keep classic maps" bake "${classic[@]}" -o old
 full=0
 for bytes in 100 1000 10000 100000 200000 300000 400000 500000; do
   code=0
-  OCTALUX_DISK_BYTES=$bytes LD_PRELOAD=$OCTALUX_FULL_DISK "$OCTALUX" bake "${scene[@]}" -o old.olx --work full \
+  preloading "$OCTALUX_FULL_DISK" OCTALUX_DISK_BYTES=$bytes "$OCTALUX" bake "${scene[@]}" -o old.olx --work full \
     >stdout.txt 2>stderr.txt || code=$?
   [ "$code" = 0 ] && break
   full=$((full + 1))

@@ -9,6 +9,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 node "$source_dir/web/bundle_shaders.mjs" "$source_dir/shaders" >"$work/whole.frag"
+# Paths may have spaces, and letters beyond ASCII.
+mkdir "$work/größer als eins"
+cp "$source_dir/web/bundle_shaders.mjs" "$work/größer als eins"
+node "$work/größer als eins/bundle_shaders.mjs" "$source_dir/shaders" | cmp - "$work/whole.frag"
 glslangValidator -S frag "$work/whole.frag" || { echo "FAILED: shaders/lib is not ESSL 3.00" >&2; exit 1; }
 
 # Words that ESSL does not have must not be left in the text that a browser compiles.

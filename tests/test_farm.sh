@@ -22,7 +22,7 @@ for id in 1 2 3 4; do
   tasks+=($!)
 done
 for process in "${tasks[@]}"; do wait "$process"; done
-$(sed -n "s/.*--wrap '\(octalux join .*\)'/\1/p" "$page" | sed "s|\"\$DIR\"|$DIR|") >/dev/null
+eval "$(sed -n "s/.*--wrap '\(octalux join .*\)'/\1/p" "$page")" >/dev/null
 cmp temple.olx whole.olx
 rm temple.olx
 

@@ -165,6 +165,14 @@ chmod +x "$work"/gate/*/*
 MAKELEVEL=1 "$work/gate/.ci/run" >"$work/out" && { echo "the gate hides a failure"; failed=1; }
 [ "$(tail -n 1 "$work/out")" = "3 passed, 1 failed" ] || { echo "the gate ends with: $(tail -n 1 "$work/out")"; failed=1; }
 
+# `make install` takes a prefix with spaces as one word.
+printf '#!%s\nprintf "<%%s>" "$@"\n' "$bash" >"$work/bin/cmake"
+chmod +x "$work/bin/cmake"
+installed=$(PATH=$work/bin:$PATH make --silent --no-print-directory --old-file build -C "$OCTALUX_SOURCE_DIR" install \
+  PREFIX="/opt/my programs")
+[ "$installed" = "<--install><build/release><--prefix></opt/my programs>" ] ||
+  { echo "make install: $installed"; failed=1; }
+
 # The README's PATH line names the folder that `make build` leaves the program in.
 path_line=$(grep -m1 '^export PATH=' "$OCTALUX_SOURCE_DIR/README.md" || true)
 [ "$(cd "$OCTALUX_SOURCE_DIR" && eval "$path_line" && echo "${PATH%%:*}")" = "$OCTALUX_SOURCE_DIR/build/release" ] ||

@@ -20,11 +20,12 @@ bake_ms=$((($(date +%s%N) - start) / 1000000))
 sum=$(sha256sum <"$work/field.olx")
 
 # kill_bake SIGNAL MILLISECONDS PRELOADED: sends the signal to a bake; its exit status is in $status. With a preloaded
-# library, the time counts from the moment when the bake's own temporary file has a name.
+# library, the time counts from the moment when the bake's own temporary file has a name. LD_PRELOAD takes no paths with
+# spaces, so the library's folder is searched.
 kill_bake() {
   local before
   before=$(ls -A "$work")
-  LD_PRELOAD=$3 "${bake[@]}" >/dev/null 2>&1 &
+  LD_LIBRARY_PATH=${3:+${3%/*}:}${LD_LIBRARY_PATH:-} LD_PRELOAD=${3##*/} "${bake[@]}" >/dev/null 2>&1 &
   local child=$!
   # Waits until the process has become octalux: an earlier signal would reach a copy of this shell, which would run the
   # clean-up of this one.

@@ -1,7 +1,8 @@
 // shaders/lib as one text of ESSL 3.00: includes resolved, each file once, without comments and without what C alone
 // reads.
-import { readFileSync } from 'node:fs';
+import { readFileSync, realpathSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
 
 const INCLUDE = /^\s*#include\s+"([^"]+)"/;
 
@@ -43,4 +44,5 @@ void main() {
 `;
 }
 
-if (process.argv[1] === new URL(import.meta.url).pathname) process.stdout.write(whole_shader(process.argv[2]));
+const [, program, shaders] = process.argv;
+if (program && realpathSync(program) === fileURLToPath(import.meta.url)) process.stdout.write(whole_shader(shaders));

@@ -14,6 +14,14 @@ fail() {
   sed 's/^/    /' stdout.txt stderr.txt 2>/dev/null
 }
 
+# preloading LIBRARY[:NAME] [VARIABLE=VALUE...] COMMAND...: runs the command with the library loaded before its own, and
+# with another one of the same folder. LD_PRELOAD takes no paths with spaces, so the folder is searched. A sanitizer
+# would rather come first.
+preloading() {
+  env LD_LIBRARY_PATH="${1%/*}${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" LD_PRELOAD="${1##*/}" \
+    ASAN_OPTIONS="${ASAN_OPTIONS:-}:verify_asan_link_order=0" "${@:2}"
+}
+
 # expect CODE ARGUMENTS...: runs octalux and checks its exit code; its output is in stdout.txt and stderr.txt.
 expect() {
   local wanted=$1 code=0

@@ -8,8 +8,9 @@ program=$OCTALUX
 # Under the address sanitizer the drivers stay loaded, so that a leak report can name the memory that they keep
 # (leaks.supp).
 if ldd "$OCTALUX" | grep -q libasan; then
-  printf '#!/bin/sh\nexec env LD_PRELOAD="%s" ASAN_OPTIONS="%s:verify_asan_link_order=0" "%s" "$@"\n' \
-    "$OCTALUX_FAULT_LAYER/libkeep_drivers.so" "${ASAN_OPTIONS:-}" "$OCTALUX" >kept
+  printf '#!/bin/sh\nexec env LD_LIBRARY_PATH="%s" LD_PRELOAD=libkeep_drivers.so "%s" "%s" "$@"\n' \
+    "$OCTALUX_FAULT_LAYER${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" \
+    "ASAN_OPTIONS=${ASAN_OPTIONS:-}:verify_asan_link_order=0" "$OCTALUX" >kept
   chmod +x kept
   OCTALUX=$folder/kept
 fi

@@ -222,6 +222,29 @@ static olx_scene *load_pane(const scene_folder *folder, const char *members) {
   return load_model(write_square_model(&m, folder, square_with(""), "[{\"mesh\": 0}]", more));
 }
 
+// Checks a pane in the model, cooked and exported.
+static void expect_in_all_forms(scene_folder *folder, const char *members,
+                                void (*check)(const olx_scene *scene, const float *expected), const float *expected) {
+  olx_scene *scene = load_pane(folder, members);
+  char cooked[600], exported[600];
+  snprintf(cooked, sizeof cooked, "%s/made.olxs", folder->path);
+  snprintf(exported, sizeof exported, "%s/made.glb", folder->path);
+  assert_model_warned(scene, "1 material has partial opacity");
+  assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
+  assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
+  for (uint32_t form = 0; form < 3; form++) {
+    check(scene, expected);
+    olx_scene_free(scene);
+    scene = form < 2 ? load_model(form == 0 ? cooked : exported) : NULL;
+  }
+}
+
+static void expect_opacity(const olx_scene *scene, const float *alpha) {
+  assert_true(scene->materials[0].blended);
+  assert_near_number(scene->materials[0].alpha, *alpha, 1e-6f);
+  assert_near_number(scene->materials[0].alpha_cutoff, 0.5f, 0.0f);
+}
+
 // Alpha of BLEND, and what KHR_materials_transmission lets through, tinted by the base colour; in the model, cooked and
 // exported.
 static void light_passes_by_alpha_and_transmission(void **state) {
@@ -243,27 +266,14 @@ static void light_passes_by_alpha_and_transmission(void **state) {
        "1, 0.5]}, \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.5}}",
        0.25f}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    olx_scene *scene = load_pane(*state, cases[i].members);
-    char cooked[600], exported[600];
-    snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
-    snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
-    assert_model_warned(scene, "1 material has partial opacity");
-    assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
-    assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
-    for (uint32_t form = 0; form < 3; form++) {
-      assert_true(scene->materials[0].blended);
-      assert_near_number(scene->materials[0].alpha, cases[i].alpha, 1e-6f);
-      assert_near_number(scene->materials[0].alpha_cutoff, 0.5f, 0.0f);
-      olx_scene_free(scene);
-      scene = form < 2 ? load_model(form == 0 ? cooked : exported) : NULL;
-    }
+    expect_in_all_forms(*state, cases[i].members, expect_opacity, &cases[i].alpha);
   }
 }
 
 #define TRANSMITS(factor) ", \"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": " factor "}}"
 
 // Finds the opacity in the middles of the texels: upper left, upper right, lower left, lower right.
-static void assert_opacities(const olx_scene *scene, const float opacities[4]) {
+static void expect_opacities(const olx_scene *scene, const float *opacities) {
   for (int i = 0; i < 4; ++i) {
     const float x = i % 2 ? 0.75f : 0.25f, y = i < 2 ? 0.75f : 0.25f;
     const float opacity = x > y ? olx_surface_opacity(scene, 0, x - y, y) : olx_surface_opacity(scene, 1, x, y - x);
@@ -295,18 +305,7 @@ static void glass_is_as_opaque_as_its_texels_are_dark_or_metal(void **state) {
        "\"metallicRoughnessTexture\": {\"index\": 0" TRANSFORM("\"scale\": [2, 2]") "}}" TRANSMITS("1"),
        {5.0f / 6, 5.0f / 6, 5.0f / 6, 0.5f}}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    olx_scene *scene = load_pane(*state, cases[i].members);
-    char cooked[600], exported[600];
-    snprintf(cooked, sizeof cooked, "%s/made.olxs", ((scene_folder *)*state)->path);
-    snprintf(exported, sizeof exported, "%s/made.glb", ((scene_folder *)*state)->path);
-    assert_model_warned(scene, "1 material has partial opacity");
-    assert_int_equal(olx_scene_cook(scene, cooked, NULL), OLX_OK);
-    assert_int_equal(olx_export_scene(scene, exported, NULL), OLX_OK);
-    for (uint32_t form = 0; form < 3; form++) {
-      assert_opacities(scene, cases[i].opacities);
-      olx_scene_free(scene);
-      scene = form < 2 ? load_model(form == 0 ? cooked : exported) : NULL;
-    }
+    expect_in_all_forms(*state, cases[i].members, expect_opacities, cases[i].opacities);
   }
 }
 
@@ -316,7 +315,7 @@ static void descriptions_keep_the_opacity_of_glass(void **state) {
                                    "{\"index\": 0}}" TRANSMITS("0.75")));
   olx_scene *scene = load_model(scene_folder_write_text(
       *state, "made.json", "{\"model\": \"made.gltf\", \"materials\": {\"pane\": {\"base_color\": [0, 0, 0]}}}"));
-  assert_opacities(scene, (const float[4]){0.75f, 0.75f, 0.75f, 0.25f});
+  expect_opacities(scene, (const float[4]){0.75f, 0.75f, 0.75f, 0.25f});
   olx_scene_free(scene);
 }
 
@@ -368,7 +367,7 @@ static void masks_lamps_and_textures_of_transmission_stay_opaque(void **state) {
     olx_scene *scene = load_pane(*state, cases[i].members);
     assert_false(scene->materials[0].blended);
     assert_near_number(scene->materials[0].alpha_cutoff, cases[i].cutoff, 0.0f);
-    assert_opacities(scene, (const float[4]){1, 1, 1, 1});
+    expect_opacities(scene, (const float[4]){1, 1, 1, 1});
     assert_model_warned(scene, "1 material has transmission beside emission, a mask or a texture of it");
     olx_scene_free(scene);
   }

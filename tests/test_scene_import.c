@@ -424,7 +424,7 @@ static void punctual_lights_arrive_one_to_one(void **state) {
   olx_scene_free(scene);
 }
 
-// The same limit holds for lights of descriptions and of cooked scenes.
+// A light of a glTF file above OLX_MOST_EMISSION is skipped: no description and no cooked scene may hold it either.
 static void punctual_lights_beyond_what_scenes_hold_are_skipped(void **state) {
   olx_scene *scene =
       load_gltf(*state, "[]", -1,

@@ -771,29 +771,6 @@ static void a_pane_takes_its_opacity_from_the_light(void **state) {
   }
 }
 
-// A pane of any opacity parts the ceiling above it from its own underside, which faces the same way.
-static void surfels_do_not_share_light_through_a_pane(void **state) {
-  (void)state;
-  for (float alpha = 0.0f; alpha < 1.0f; alpha += 0.4f) {
-    olx_scene *scene = made_scene();
-    olx_material pane = olx_material_default();
-    pane.blended = true;
-    pane.alpha = alpha;
-    pane.alpha_cutoff = 0.5f;
-    made_square(scene, 0.0f, made_material(scene, &pane));
-    made_square(scene, 1.0f, made_material(scene, &(olx_material){.alpha = 1.0f}));
-    made_finish(scene);
-    olx_light_surfels surfels;
-    assert_int_equal(olx_light_surfels_create(&surfels, scene, 0.2f, 0, 1), OLX_OK);
-    const olx_vec3 down = {0.0f, -1.0f, 0.0f};
-    const olx_light_surfel above = {.position = {0.1f, 0.2f, 0.1f}, .normal = down};
-    const olx_surface below = {.position = {0.0f, -0.2f, 0.0f}, .geometric_normal = down};
-    assert_true(olx_light_surfels_see(&surfels, &above, &below) == (alpha == 0.0f));
-    olx_light_surfels_free(&surfels);
-    olx_scene_free(scene);
-  }
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(irradiance_is_that_of_path_tracing),
@@ -813,7 +790,6 @@ int main(void) {
       cmocka_unit_test(lines_of_sunlight_are_neither_lost_nor_doubled),
       cmocka_unit_test(gathers_beside_a_dark_surfel_keep_their_light),
       cmocka_unit_test(a_pane_takes_its_opacity_from_the_light),
-      cmocka_unit_test(surfels_do_not_share_light_through_a_pane),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -73,8 +73,9 @@ olx_result olx_work_folder_open(const char *path, const olx_work_folder_settings
 // Closes a folder and keeps its files. NULL is allowed.
 void olx_work_folder_close(olx_work_folder *folder);
 // Removes all units, the manifest and, when nothing else is left in it, the folder; then closes it. A warning names a
-// folder that stays because it holds something else, or because another program keeps it open for seconds. Where a program is killed on the way, the next one to open the
-// folder for a bake, whichever bake that is, removes what is left.
+// folder that stays because it holds something else, or because another program keeps it open for seconds. Where a
+// program is killed on the way, the next one to open the folder for a bake, whichever bake that is, removes what is
+// left.
 void olx_work_folder_remove(olx_work_folder *folder);
 
 const olx_manifest *olx_work_folder_manifest(const olx_work_folder *folder);

@@ -7,6 +7,7 @@
 
 #include <octalux/sample.h>
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,6 +134,35 @@ static void a_lamp_brings_no_highlight_of_a_sun_that_is_shadowed(void **state) {
   analytic_field_free(field);
 }
 
+// Forty lamps at the place of one, each a fortieth as strong, are the same light.
+static void many_lamps_have_the_highlights_of_one_as_strong(void **state) {
+  (void)state;
+  enum { LAMPS = 40 };
+  olx_field *field = room_of(0.9f, 0.2f, 1.0f, 1.0f, true, 0.5f);
+  olx_field_light lamps[LAMPS];
+  for (uint32_t i = 0; i < LAMPS; i++) {
+    lamps[i] = lamp;
+    lamps[i].emission = olx_scale(lamp.emission, 1.0f / LAMPS);
+  }
+  const olx_sample_settings settings = olx_sample_settings_default();
+  double one = 0.0, many = 0.0, lobes = 0.0;
+  for (uint32_t i = 0; i < 1000; i++) {
+    const olx_vec3 direction = ray_direction(i);
+    const olx_trace_hit alone = olx_trace(field, &settings, eye, direction, INFINITY);
+    field->surfaces.lights = lamps;
+    field->surfaces.light_count = LAMPS;
+    const olx_trace_hit all = olx_trace(field, &settings, eye, direction, INFINITY);
+    field->surfaces.lights = &lamp;
+    field->surfaces.light_count = 1;
+    one += (double)olx_luminance(olx_sub(alone.radiance, alone.lobe));
+    many += (double)olx_luminance(olx_sub(all.radiance, all.lobe));
+    lobes += (double)olx_luminance(alone.lobe);
+  }
+  print_message("forty lamps: %.5f of the highlights of one\n", many / one);
+  assert_true(one > lobes && fabs(many - one) < 0.001 * one);
+  analytic_field_free(field);
+}
+
 // The lamp's light is not counted twice: its highlight replaces the specular lobe's share of the lamp's irradiance.
 static void the_lobe_gets_what_is_not_the_lamps(void **state) {
   (void)state;
@@ -249,6 +279,7 @@ int main(void) {
       cmocka_unit_test(a_metal_under_a_lamp_has_its_highlight),
       cmocka_unit_test(a_shadow_hides_the_highlight),
       cmocka_unit_test(a_lamp_brings_no_highlight_of_a_sun_that_is_shadowed),
+      cmocka_unit_test(many_lamps_have_the_highlights_of_one_as_strong),
       cmocka_unit_test(the_lobe_gets_what_is_not_the_lamps),
       cmocka_unit_test(behind_a_surface_there_is_no_direct_light),
       cmocka_unit_test(a_mirror_is_followed_by_one_further_ray),

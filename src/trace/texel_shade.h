@@ -7,7 +7,7 @@
 
 // The most lights without area for which a field has highlights. With more of them, specular lobes receive their light
 // as from all directions alike.
-enum { OLX_MOST_HIGHLIGHTS = 16 };
+enum { OLX_MOST_HIGHLIGHTS = 64 };
 
 // Radiance in W/(sr m^2) that a surface reflects towards an eye.
 typedef struct olx_texel_light {

@@ -11,7 +11,7 @@ import { FieldError } from './field_file.js';
 
 const ROW = 2048; // OLX_DATA_ROW of data.glsl
 const POOL_ROW = 512; // 1 << OLX_POOL_ROW_BITS: blocks in a row of a pool's image, and most rows in a layer
-const LIGHT_WORDS = 16, MOST_HIGHLIGHTS = 16;
+const LIGHT_WORDS = 16, MOST_HIGHLIGHTS = 64;
 const GPU_SELECTORS = 0xb; // OLX_SELECT_GPU_MASK
 
 const BLOCKS = {

@@ -5,7 +5,7 @@
     bench/record.py --check            fail when a table of docs/results.md is not what docs/results.json says
 
 FOUND.json may be of `octalux-bench all` or of single experiments, which then take the place of the same ones found earlier. Of an experiment
-with `--only SCENE` the rows of that scene do, and the others stay. In docs/results.md a table lies between two comments:
+with `--only SCENE` the rows of that scene do, and the others stay; with `--probes SET` besides, those of that set of probes. In docs/results.md a table lies between two comments:
 
     <!-- EXPERIMENT TABLE [columns: KEY KEY ...] [where: KEY=VALUE,VALUE ...] -->
     <!-- end -->
@@ -88,16 +88,29 @@ def written(record, text):
     return BLOCK.sub(lambda m: m.group(1) + "\n" + table_text(record, m.group(2), m.group(3), m.group(4)) + "\n" + m.group(6), text)
 
 
+def part_of(command):
+    """The scenes that a command measures, and the set of probes where it names one."""
+    return tuple(found.group(1) if found else "" for found in (re.search(option + r" (\S+)", command) for option in ("--only", "--probes")))
+
+
+def parts_with(parts, part, took):
+    """What each part took: a whole scene takes the place of its sets of probes, and a set of probes that of its whole scene."""
+    scene, probes = part
+    gone = {scene, " ".join(part)} if probes else {name for name in parts if name.split()[0] == scene}
+    return {**{name: old for name, old in parts.items() if name not in gone}, " ".join(part).strip(): took}
+
+
 def joined(old, new):
-    """The rows of one scene in their place among those of others, and what each scene took."""
-    scene = re.search(r"--only (\S+)", new["command"]).group(1)
-    parts = {**old.get("parts", {}), scene: {key: new[key] for key in ("seconds", "processor_seconds")}}
+    """The rows of one scene, or of one set of its probes, in their place among the others, and what each such part took."""
+    part = part_of(new["command"])
+    parts = parts_with(old.get("parts", {}), part, {key: new[key] for key in ("seconds", "processor_seconds")})
     for table, fresh in zip(old["tables"], new["tables"]):
-        key = table["columns"][0]["key"]
-        names = {row[key] for row in fresh["rows"]}
-        place = next((i for i, row in enumerate(table["rows"]) if row[key] in names), len(table["rows"]))
-        before, after = ([row for row in rows if row[key] not in names] for rows in (table["rows"][:place], table["rows"][place:]))
-        table["rows"] = before + fresh["rows"] + after
+        keys = [table["columns"][0]["key"]] + ["probes"] * bool(part[1])
+        names = {tuple(row.get(key) for key in keys) for row in fresh["rows"]}
+        replaced = [tuple(row.get(key) for key in keys) in names for row in table["rows"]]
+        place = replaced.index(True) if True in replaced else len(replaced)
+        kept = [[row for row, gone in zip(table["rows"][a:b], replaced[a:b]) if not gone] for a, b in ((0, place), (place, len(replaced)))]
+        table["rows"] = kept[0] + fresh["rows"] + kept[1]
     sums = {key: sum(part[key] for part in parts.values()) for key in ("seconds", "processor_seconds")}
     return {**old, **sums, "parts": parts}
 

@@ -106,6 +106,29 @@ static bool check_scenes(const experiment *e, const char *names, int *code) {
   return true;
 }
 
+static bool has_set(const experiment *e, const char *name, size_t length) {
+  for (uint32_t i = 0; e->sets[i]; ++i) {
+    if (strlen(e->sets[i]) == length && strncmp(e->sets[i], name, length) == 0) return true;
+  }
+  return false;
+}
+
+// Checks that --probes names sets of the experiment where it has a list of them; otherwise lists them.
+static bool check_sets(const experiment *e, const char *names, int *code) {
+  if (!e || !e->sets) return true;
+  size_t length;
+  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
+    if (has_set(e, name, length)) continue;
+    char known[512];
+    size_t used = 0;
+    for (uint32_t i = 0; e->sets[i] && used < sizeof known; ++i)
+      used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", e->sets[i]);
+    *code = usage_error(BENCH_PROGRAM, "unknown probes '%.*s': %s has %s", (int)length, name, e->name, known);
+    return false;
+  }
+  return true;
+}
+
 // Checks that the experiment takes the given options; otherwise reports which one does. `e` is NULL for several
 // experiments.
 static bool check_options(const experiment *e, const bench_options *o, int *code) {
@@ -123,7 +146,7 @@ static bool check_options(const experiment *e, const bench_options *o, int *code
     *code = misplaced(options[i].name, options[i].takes);
     return false;
   }
-  return !o->only || check_scenes(e, o->only, code);
+  return (!o->sets || check_sets(e, o->sets, code)) && (!o->only || check_scenes(e, o->only, code));
 }
 
 static void list_experiments(FILE *out, bool alone) {
@@ -287,7 +310,7 @@ static const option options[] = {
     {"--rounds", OPTION_COUNT, offsetof(bench_options, rounds), "N", "wang...: in which each row is timed once", 1,
      1000},
     {"--probes", OPTION_TEXT, offsetof(bench_options, sets), "4x2x4,A.json,B.json@1024",
-     "wang-probes: only these sets, against the first"},
+     "wang-probes: only these sets, against the first; surfaces: placed or grid"},
     {"--short", OPTION_FLAG, offsetof(bench_options, brief), NULL, "wang: without the series of sets in appendix A"},
     {"--threads", OPTION_COUNT, offsetof(bench_options, threads), "N",
      "default 0: every processor; times are of one all the same", 0, 4096},

@@ -63,6 +63,11 @@ expect_json 'o["command"].endswith("--spp 2 --only parlour,sponza") and [s["what
   and {t["name"]: sorted({r["scene"] for r in t["rows"]}) for t in o["tables"] if t["rows"]} == {"modes": ["parlour"]}' \
   surfaces "${small[@]}" --only parlour,sponza
 
+# --probes takes one set of a scene's probes.
+expect_json '{t["name"]: [r["probes"] for r in t["rows"]] for t in o["tables"] if t["rows"]} == {"leaks": ["grid"]}' \
+  surfaces "${small[@]}" --only two-rooms-sealed --probes grid
+expect_usage "unknown probes 'lattice': surfaces has placed, grid" surfaces --probes lattice
+
 # A run that is stopped leaves no files behind.
 expect_experiment_stops mcguire-leaks --quick --spp 100000
 

@@ -17,8 +17,9 @@ typedef struct surface_run {
   bench_table *light, *fields, *leaks, *thin, *modes;
 } surface_run;
 
-// Returns the number of probe sets: placed probes, and the grid unless --quick is given.
-uint32_t surface_ways(const surface_run *r);
+// Returns whether placed probes, or those of the grid, are measured: what --probes names; else both, but with --quick
+// placed probes alone.
+bool surface_wants(const surface_run *r, bool placed);
 const char *surface_where(const surface_run *r);
 // Bakes a field as `place` and `bake` do by default, or with probe light, which some modes and audits need. The caller
 // closes it, also after a failure.

@@ -53,8 +53,9 @@ static olx_result leak_of_way(surface_run *r) {
 olx_result surface_leak(surface_run *r) {
   olx_result result = surface_keep_cameras(r, 2, rooms);
   if (result == OLX_OK) result = surface_reference(r, 4, false); // more paths, because little light comes through
-  for (uint32_t way = 0; way < surface_ways(r) && result == OLX_OK; ++way) {
+  for (uint32_t way = 0; way < 2 && result == OLX_OK; ++way) {
     r->placed = way == 0;
+    if (!surface_wants(r, r->placed)) continue;
     result = leak_of_way(r);
   }
   return result;
@@ -99,7 +100,7 @@ static double volume_leak(const surface_run *r, const olx_field *field) {
 
 olx_result surface_thin_wall(surface_run *r) {
   olx_result result = surface_keep_cameras(r, 2, rooms);
-  if (result != OLX_OK) return result;
+  if (result != OLX_OK || !surface_wants(r, true)) return result;
   bench_field made;
   result = surface_bake(r, 0, true, &made);
   for (uint32_t mode = 0; mode < SURFACE_MODES && result == OLX_OK; ++mode) result = add_thin(r, made.field, mode);

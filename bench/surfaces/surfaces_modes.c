@@ -125,6 +125,7 @@ static olx_result add_volume(const surface_run *r, const olx_field *field) {
 }
 
 olx_result surface_all_modes(surface_run *r) {
+  if (!surface_wants(r, true)) return OLX_OK;
   bench_field made;
   olx_result result = surface_bake(r, 0, true, &made);
   if (result == OLX_OK) result = surface_add_modes(r, made.field, r->what);

@@ -199,8 +199,9 @@ static olx_result run_placed(const surface_run *r) {
 
 olx_result surface_pictures(surface_run *r) {
   olx_result result = surface_reference(r, 1, false);
-  for (uint32_t way = 0; way < surface_ways(r) && result == OLX_OK; ++way) {
+  for (uint32_t way = 0; way < 2 && result == OLX_OK; ++way) {
     r->placed = way == 0;
+    if (!surface_wants(r, r->placed)) continue;
     result = r->placed ? run_placed(r) : run_grid(r);
   }
   return result;

@@ -213,6 +213,8 @@ typedef struct olx_gpu_uvec4 {
 
 // octahedral: the square root of 4 pi. A texel of an n x n map is about this over n wide, seen at distance 1.
 #define OLX_TEXEL_ANGLE 3.5449077f
+// octahedral: directions are taken to be this long at least, so that the inverse of their length is finite.
+#define OLX_LEAST_LENGTH 1e-37f
 
 // pack: the largest numbers in RGB9E5, and in a half float.
 #define OLX_RGB9E5_MOST 65408.0f

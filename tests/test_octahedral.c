@@ -120,6 +120,16 @@ static void test_small_texels_follow_the_formula(void **state) {
   assert_true(worst[1] < 0.6 * worst[0]);
 }
 
+// The inverse of a sum below 2^-128 is infinite.
+static void test_the_shortest_directions_stay_in_the_square(void **state) {
+  (void)state;
+  for (uint32_t i = 0; i < 27; i++) {
+    const float x = (float)(i % 3) - 1.0f, y = (float)(i / 3 % 3) - 1.0f, z = (float)(i / 9) - 1.0f;
+    const olx_vec2 uv = olx_octahedral_encode(olx_v3(x * 1e-39f, y * 1e-39f, z * 1e-39f));
+    assert_true(uv.x >= 0.0f && uv.x <= 1.0f && uv.y >= 0.0f && uv.y <= 1.0f);
+  }
+}
+
 static void test_solid_angles_against_counting(void **state) {
   (void)state;
   enum { N = 8, SAMPLES = 1 << 20 };
@@ -462,6 +472,7 @@ int main(void) {
       cmocka_unit_test(test_solid_angles_fill_the_sphere),
       cmocka_unit_test(test_solid_angles_are_the_integral),
       cmocka_unit_test(test_small_texels_follow_the_formula),
+      cmocka_unit_test(test_the_shortest_directions_stay_in_the_square),
       cmocka_unit_test(test_solid_angles_against_counting),
       cmocka_unit_test(test_inside_is_its_own_source),
       cmocka_unit_test(test_border_continues_the_sphere),

@@ -8,9 +8,9 @@
 
 // sqrt(4 pi): a texel of an n x n map is about this over n wide.
 
-// Maps a direction of any non-zero length to [0, 1]^2.
+// Maps a direction of any finite length to [0, 1]^2; one without length to the middle.
 vec2 olx_octahedral_encode(vec3 d) {
-  precise float inverse = 1.0 / (abs(d.x) + abs(d.y) + abs(d.z));
+  precise float inverse = 1.0 / max(OLX_LEAST_LENGTH, abs(d.x) + abs(d.y) + abs(d.z));
   precise float x = d.x * inverse, z = d.z * inverse;
   if (d.y < 0.0) {
     precise float folded_x = (1.0 - abs(z)) * olx_sign_not_zero(x);

@@ -5,9 +5,9 @@
 
 #include "core/vec.h"
 
-// Maps a direction of any non-zero length to [0, 1]^2.
+// Maps a direction of any finite length to [0, 1]^2; one without length to the middle.
 static inline olx_vec2 olx_octahedral_encode(olx_vec3 d) {
-  const float inverse = 1.0f / (fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
+  const float inverse = 1.0f / olx_max(OLX_LEAST_LENGTH, fabsf(d.x) + fabsf(d.y) + fabsf(d.z));
   float x = d.x * inverse, z = d.z * inverse;
   if (d.y < 0.0f) {
     const float folded_x = (1.0f - fabsf(z)) * olx_sign_not_zero(x);

@@ -27,7 +27,8 @@ WIDE reals length(wide_vec3 a) { return root(dot(a, a)); }
 
 // These are olx_octahedral_encode, olx_octahedral_point and olx_octahedral_decode, eight lanes wide.
 WIDE wide_uv encode(wide_vec3 d) {
-  const reals inverse = 1.0f / (magnitude(d.x) + magnitude(d.y) + magnitude(d.z)), x = d.x * inverse, z = d.z * inverse;
+  const reals sum = magnitude(d.x) + magnitude(d.y) + magnitude(d.z), least = splat(OLX_LEAST_LENGTH);
+  const reals inverse = 1.0f / pick(least > sum, least, sum), x = d.x * inverse, z = d.z * inverse;
   const words folded = d.y < 0.0f;
   return (wide_uv){pick(folded, (1.0f - magnitude(z)) * sign_not_zero(x), x) * 0.5f + 0.5f,
                    pick(folded, (1.0f - magnitude(x)) * sign_not_zero(z), z) * 0.5f + 0.5f};

@@ -14,7 +14,8 @@ expect_json '(lambda rows, memory: o["experiment"] == "wang" and {r["scene"] for
     and r["glossy_relative_mse"] < 2 and r["noise"] > 0 and r["final_mse"] is not None for r in rows)
   and rows[0]["speedup"] == 1 and rows[0]["select"] == "cage"
   and {m["count"] for m in memory} == {7, 8}
-  and all(m["count"] * 32 * 32 <= 2 ** 20 * m["distance"] and m["maps"] > m["radiance"] + m["irradiance"]
+  and all(abs(2 ** 20 * (m["geometry"] + m["light"]) / (m["count"] * 32 * 32) - m["texel_bytes"]) < 0.001
+    and 1 < m["texel_bytes"] < 14 and m["irradiance"] > 0 and m["maps"] > m["geometry"] + m["light"] + m["irradiance"]
     and (m["count"] == 8) == (m["octree"] == 0) and m["bricks"] > 0 for m in memory))(
   *[next(t["rows"] for t in o["tables"] if t["name"] == name) for name in ("rows", "memory")])' \
   wang "${scenes[@]}" "${small[@]}" --images pictures
@@ -30,7 +31,7 @@ grep -q "nowhere.json: cannot open" stderr.txt || fail "no word of the missing s
 [ -z "$(ls -A temporary)" ] || fail "temporary fields are left"
 
 expect_usage "unknown scene 'atlantis': wang has cornell-glossy, temple, sponza" wang --only atlantis
-expect_usage "--probes goes with wang-probes" wang --probes 2x2x2
+expect_usage "--probes goes with surfaces, wang-probes" wang --probes 2x2x2
 expect_usage "--short goes with wang" wang-probes --short
 expect_usage "--texels goes with wang-table1, wang-table2, wang-quality, wang, wang-probes" all --texels 64
 expect_usage "unknown option '--grid'" wang --grid 2x2x2

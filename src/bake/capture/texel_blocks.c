@@ -25,14 +25,12 @@ void olx_block_look(const olx_capture *c, uint32_t block, olx_block_surfaces *s)
   }
 }
 
-static float footprint(const olx_capture *c, uint32_t block, uint32_t i) {
-  return 2.0f * c->hits[olx_block_texel(c, block, i)].t / (float)c->size;
-}
+static float footprint(const olx_capture *c, uint32_t texel) { return 2.0f * c->hits[texel].t / (float)c->size; }
 
 bool olx_block_is_flat(const olx_capture *c, uint32_t block, const olx_block_surfaces *s) {
   if (s->seen != (1u << OLX_BLOCK_TEXELS) - 1u) return false;
   const olx_surface *first = &s->surface[0];
-  const float tolerance = OLX_FLAT_FOOTPRINTS * footprint(c, block, 0);
+  const float tolerance = OLX_FLAT_FOOTPRINTS * footprint(c, olx_block_texel(c, block, 0));
   for (uint32_t i = 1; i < OLX_BLOCK_TEXELS; i++) {
     const olx_vec3 step = olx_sub(s->surface[i].position, first->position);
     if (fabsf(olx_dot(step, first->geometric_normal)) > tolerance) return false;
@@ -42,11 +40,9 @@ bool olx_block_is_flat(const olx_capture *c, uint32_t block, const olx_block_sur
   return true;
 }
 
-bool olx_block_shares(const olx_capture *c, uint32_t block, const olx_block_surfaces *s, uint32_t texel,
-                      uint32_t other) {
-  const olx_surface *point = &s->surface[texel], *shared = &s->surface[other];
-  const olx_vec3 way = olx_sub(shared->position, point->position);
-  return olx_dot(shared->geometric_normal, point->geometric_normal) >= SHARED_COSINE &&
-         olx_dot(shared->shading_normal, point->shading_normal) >= SHARED_COSINE &&
-         fabsf(olx_dot(way, point->geometric_normal)) <= SHARED_FOOTPRINTS * footprint(c, block, texel);
+bool olx_texel_shares(const olx_capture *c, uint32_t texel, const olx_surface *point, const olx_surface *other) {
+  const olx_vec3 way = olx_sub(other->position, point->position);
+  return olx_dot(other->geometric_normal, point->geometric_normal) >= SHARED_COSINE &&
+         olx_dot(other->shading_normal, point->shading_normal) >= SHARED_COSINE &&
+         fabsf(olx_dot(way, point->geometric_normal)) <= SHARED_FOOTPRINTS * footprint(c, texel);
 }

@@ -29,9 +29,15 @@ void olx_block_look(const olx_capture *capture, uint32_t block, olx_block_surfac
 // Returns whether all texels see one plane.
 bool olx_block_is_flat(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces);
 
-// Returns whether texel `other` of a block lies on the surface of texel `texel`, near enough for both to share what is
-// found for one.
-bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces, uint32_t texel,
-                      uint32_t other);
+// Returns whether a surface point lies on the surface of a texel, of this number in the map, near enough for both to
+// share what is found for one.
+bool olx_texel_shares(const olx_capture *capture, uint32_t texel, const olx_surface *surface, const olx_surface *other);
+
+// The same for two texels of a block.
+static inline bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces,
+                                    uint32_t texel, uint32_t other) {
+  return olx_texel_shares(capture, olx_block_texel(capture, block, texel), &surfaces->surface[texel],
+                          &surfaces->surface[other]);
+}
 
 #endif

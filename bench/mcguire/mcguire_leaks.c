@@ -44,6 +44,9 @@ static uint32_t list_ways(const bench *b, const figure *f, const olx_field *fiel
   settings.spp = 1;
   settings.centered = true;
   ways[count++] = (bench_way){.name = "field", .field = field, .settings = settings};
+  olx_render_settings stored = settings;
+  stored.diffuse = OLX_DIFFUSE_SURFACE;
+  ways[count++] = (bench_way){.name = "at surfaces", .field = field, .settings = stored};
   if (f->traced) {
     olx_render_settings traced = settings;
     traced.diffuse = OLX_DIFFUSE_TRACED;

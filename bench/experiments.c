@@ -12,7 +12,8 @@ const experiment experiments[] = {
      "light and darkness that leak through walls and out of buried probes",
      "Indirect diffuse light, seen from one camera a figure, against the path tracer. \u201cField\u201d weighs "
      "irradiance "
-     "probes by their filtered visibility, \u201cno visibility\u201d interpolates the same maps trilinearly, "
+     "probes by their filtered visibility, \u201cat surfaces\u201d is the light stored there, which renderers show by "
+     "default, \u201cno visibility\u201d interpolates the same maps trilinearly, "
      "\u201cclassic\u201d is the baseline, irradiance probes without visibility, on the same grid, wherever they are, "
      "and in Figure 10 also without those inside geometry. Figures 11 and 13 also trace the light field probes: one "
      "ray a pixel, raw, and denoised over 64 frames, with the noise they have. Times are of the diffuse pass and of "

@@ -33,7 +33,7 @@ typedef struct experiment {
   const char *note;   // explanation to read before its numbers
   olx_result (*run)(bench *b);
   const char *(*scene)(uint32_t index); // names for --only, NULL after the last; NULL: the experiment has no parts
-  const char *const *sets;              // names for --probes, NULL after the last; NULL: any, where it takes them
+  const char *(*set)(uint32_t index);   // names for --probes, NULL after the last; NULL: any, where it takes them
   uint32_t takes;                       // options that it takes
   bool alone;                           // takes hours, and is not part of `all`
 } experiment;

@@ -22,6 +22,6 @@ olx_result run_relight(bench *b);
 olx_result run_sh(bench *b);
 olx_result run_surfaces(bench *b);
 const char *surfaces_scene(uint32_t index);
-extern const char *const surfaces_sets[];
+const char *surfaces_set(uint32_t index);
 
 #endif

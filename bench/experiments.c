@@ -98,7 +98,7 @@ const experiment experiments[] = {
      "irradiance probes, rays gathered in one picture, and one ray a pixel denoised over frames; the irradiance volume "
      "is judged "
      "in free space. Sealed rooms have no light behind their wall, so that all of it is a leak.",
-     .run = run_surfaces, .scene = surfaces_scene, .sets = surfaces_sets, .takes = TAKES_SETS},
+     .run = run_surfaces, .scene = surfaces_scene, .set = surfaces_set, .takes = TAKES_SETS},
     {"wang", "Wang 2018, chapter 5 and appendix A",
      "Tables 5.1 and 5.2 with the thesis\u2019s maps and all of its sets",
      "As wang-table1, wang-table2 and wang-quality, with maps of 512\u00b2 texels, and with the series of sets in the "

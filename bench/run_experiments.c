@@ -59,19 +59,21 @@ static bool check_names(const char *names, int *code) {
   return true;
 }
 
-static bool has_scene(const experiment *e, const char *name, size_t length) {
-  for (uint32_t i = 0; e->scene(i); ++i) {
-    if (strlen(e->scene(i)) == length && strncmp(e->scene(i), name, length) == 0) return true;
-  }
-  return false;
-}
-
-static int unknown_scene(const experiment *e, const char *name, size_t length) {
+// Checks that an experiment has all of these names in a list of its own, of scenes or of probes; otherwise lists them.
+static bool check_listed(const experiment *e, const char *(*listed)(uint32_t), const char *what, const char *names,
+                         int *code) {
   char known[2048];
-  size_t used = 0;
-  for (uint32_t i = 0; e->scene(i) && used < sizeof known; ++i)
-    used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", e->scene(i));
-  return usage_error(BENCH_PROGRAM, "unknown scene '%.*s': %s has %s", (int)length, name, e->name, known);
+  size_t used = 0, length;
+  for (uint32_t i = 0; listed(i) && used < sizeof known; ++i)
+    used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", listed(i));
+  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
+    uint32_t i = 0;
+    while (listed(i) && (strlen(listed(i)) != length || strncmp(listed(i), name, length) != 0)) ++i;
+    if (listed(i)) continue;
+    *code = usage_error(BENCH_PROGRAM, "unknown %s '%.*s': %s has %s", what, (int)length, name, e->name, known);
+    return false;
+  }
+  return true;
 }
 
 static bool takes_scenes(const experiment *e) { return e->scene; }
@@ -91,42 +93,11 @@ static int misplaced(const char *name, bool (*takes)(const experiment *)) {
   return usage_error(BENCH_PROGRAM, "%s goes with %s", name, known);
 }
 
-// Checks that --only names scenes of the experiment; otherwise lists them. `e` is NULL for several experiments.
+// Checks that --only names scenes of the experiment. `e` is NULL for several experiments.
 static bool check_scenes(const experiment *e, const char *names, int *code) {
-  if (!e || !e->scene) {
-    *code = misplaced("--only", takes_scenes);
-    return false;
-  }
-  size_t length;
-  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
-    if (has_scene(e, name, length)) continue;
-    *code = unknown_scene(e, name, length);
-    return false;
-  }
-  return true;
-}
-
-static bool has_set(const experiment *e, const char *name, size_t length) {
-  for (uint32_t i = 0; e->sets[i]; ++i) {
-    if (strlen(e->sets[i]) == length && strncmp(e->sets[i], name, length) == 0) return true;
-  }
+  if (e && e->scene) return check_listed(e, e->scene, "scene", names, code);
+  *code = misplaced("--only", takes_scenes);
   return false;
-}
-
-// Checks that --probes names sets of the experiment where it has a list of them; otherwise lists them.
-static bool check_sets(const experiment *e, const char *names, int *code) {
-  if (!e || !e->sets) return true;
-  size_t length;
-  for (const char *rest = names, *name; (name = take_name(&rest, &length));) {
-    if (has_set(e, name, length)) continue;
-    char known[512];
-    size_t used = 0;
-    for (uint32_t i = 0; e->sets[i] && used < sizeof known; ++i)
-      used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", e->sets[i]);
-    *code = usage_error(BENCH_PROGRAM, "unknown probes '%.*s': %s has %s", (int)length, name, e->name, known);
-    return false;
-  }
-  return true;
 }
 
 // Checks that the experiment takes the given options; otherwise reports which one does. `e` is NULL for several
@@ -146,7 +117,8 @@ static bool check_options(const experiment *e, const bench_options *o, int *code
     *code = misplaced(options[i].name, options[i].takes);
     return false;
   }
-  return (!o->sets || check_sets(e, o->sets, code)) && (!o->only || check_scenes(e, o->only, code));
+  if (e && e->set && o->sets && !check_listed(e, e->set, "probes", o->sets, code)) return false;
+  return !o->only || check_scenes(e, o->only, code);
 }
 
 static void list_experiments(FILE *out, bool alone) {

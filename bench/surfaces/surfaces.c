@@ -48,11 +48,11 @@ enum { SCENES = sizeof scenes / sizeof *scenes };
 
 const char *surfaces_scene(uint32_t index) { return index < SCENES ? bench_scene_title(scenes[index].name) : NULL; }
 
-const char *const surfaces_sets[] = {"placed", "grid", NULL};
+const char *surfaces_set(uint32_t index) { return index == 0 ? "placed" : index == 1 ? "grid" : NULL; }
 
 bool surface_wants(const surface_run *r, bool placed) {
   const bench_options *o = r->b->options;
-  return o->sets ? bench_listed(o->sets, surfaces_sets[placed ? 0 : 1]) : placed || !o->quick;
+  return o->sets ? bench_listed(o->sets, surfaces_set(placed ? 0 : 1)) : placed || !o->quick;
 }
 
 // Returns the number of bounces: the default of bakes, or one with --quick.
@@ -60,7 +60,7 @@ static uint32_t bounces(const surface_run *r) {
   return r->b->options->quick ? bench_bounces(r->b) : olx_bake_settings_default(r->scene).bounces;
 }
 
-const char *surface_where(const surface_run *r) { return surfaces_sets[r->placed ? 0 : 1]; }
+const char *surface_where(const surface_run *r) { return surfaces_set(r->placed ? 0 : 1); }
 
 olx_result surface_bake(const surface_run *r, uint32_t seed, bool probe_light, bench_field *made) {
   const olx_bake_settings defaults = olx_bake_settings_default(r->scene);

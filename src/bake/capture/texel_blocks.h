@@ -33,7 +33,7 @@ bool olx_block_is_flat(const olx_capture *capture, uint32_t block, const olx_blo
 // share what is found for one.
 bool olx_texel_shares(const olx_capture *capture, uint32_t texel, const olx_surface *surface, const olx_surface *other);
 
-// The same for two texels of a block.
+// Returns whether two texels of a block see one surface, near enough to each other to share what is found for one.
 static inline bool olx_block_shares(const olx_capture *capture, uint32_t block, const olx_block_surfaces *surfaces,
                                     uint32_t texel, uint32_t other) {
   return olx_texel_shares(capture, olx_block_texel(capture, block, texel), &surfaces->surface[texel],

@@ -29,7 +29,7 @@ static olx_gather_row *row_of(const texel_light *t, uint32_t block) {
 
 // A texel whose light was gathered. `reach`: how far from it light may be shared, in metres; 0 until that is asked.
 typedef struct gathered_texel {
-  uint32_t at, x, y; // in the map
+  uint32_t x, y; // in the map
   const olx_surface *surface;
   olx_vec3 irradiance;
   float reach;
@@ -74,14 +74,14 @@ static bool reach(const texel_light *t, gathered_texel *a, gathered_texel *b, fl
 // Returns the gathered texel nearest to another of the tile, less than a share of the map's side from it, among those
 // that lie on its surface and within reach; NULL when there is none.
 static const gathered_texel *find_gathered(const texel_light *t, light_tile *tile, gathered_texel *texel) {
-  const uint32_t shared = t->capture->size / SHARED_SHARE;
+  const uint32_t size = t->capture->size, shared = size / SHARED_SHARE, at = texel->y * size + texel->x;
   const gathered_texel *found = NULL;
   float least = INFINITY;
   for (gathered_texel *g = tile->gathered; g < tile->gathered + tile->count; g++) {
     if (difference(g->x, texel->x) >= shared || difference(g->y, texel->y) >= shared) continue;
     const olx_vec3 way = olx_sub(g->surface->position, texel->surface->position);
     const float squared = olx_dot(way, way);
-    if (squared >= least || !olx_texel_shares(t->capture, texel->at, texel->surface, g->surface)) continue;
+    if (squared >= least || !olx_texel_shares(t->capture, at, texel->surface, g->surface)) continue;
     if (!reach(t, texel, g, squared)) continue;
     least = squared;
     found = g;
@@ -93,7 +93,7 @@ static const gathered_texel *find_gathered(const texel_light *t, light_tile *til
 static olx_vec3 light_of(const texel_light *t, uint32_t block, uint32_t i, const olx_surface *surface,
                          light_tile *tile) {
   const uint32_t at = olx_block_texel(t->capture, block, i), side = t->capture->size;
-  gathered_texel texel = {.at = at, .x = at % side, .y = at / side, .surface = surface};
+  gathered_texel texel = {.x = at % side, .y = at / side, .surface = surface};
   if (olx_scene_light_interpolate(t->light, surface, &texel.irradiance)) return texel.irradiance;
   const gathered_texel *found = find_gathered(t, tile, &texel);
   if (found) return found->irradiance;

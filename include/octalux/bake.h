@@ -170,8 +170,8 @@ typedef struct olx_bake_stats {
   uint64_t reused_rays; // of `rays`: found in the work folder, which holds them from before an edit of the scene
 } olx_bake_stats;
 
-// The sizes of a bake, computed by the code that allocates and lays out; only for expected_bytes rays are cast, at most
-// 131,072.
+// The sizes of a bake, computed by the code that allocates and lays out. Only for expected_bytes rays are cast: through
+// at most 1,024 tiles of 8 x 8 texels, with the bake's samples of each texel and their shadow rays.
 typedef struct olx_bake_sizes {
   uint64_t probes, irradiance_probes; // irradiance_probes is 0 without probe light
   uint64_t file_bytes; // what the description determines. Not included are structures of selectors other than the cage,

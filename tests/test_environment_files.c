@@ -1,14 +1,28 @@
-// Tests images of environments as OpenEXR: their numbers, the repair of invalid numbers, and their share of the limit
-// on texels.
+// Tests images of environments as OpenEXR: their numbers, the repair of invalid numbers, their share of the limit on
+// texels, and that exported models have none of their light.
 #include "scene_files.h"
 #include "tiny_scenes.h"
 
+#include <octalux/export.h>
 #include <octalux/render.h>
 
 static void assert_warned(const olx_scene *scene, const char *part) {
   bool found = false;
   for (uint32_t i = 0; i < scene->warning_count; ++i) found |= strstr(scene->warnings[i], part) != NULL;
   assert_true(found);
+}
+
+// Checks that an exported model says that its sky is black.
+static void assert_exported_black(const olx_scene *scene, const scene_folder *folder) {
+  char path[600], bytes[4096] = {0};
+  snprintf(path, sizeof path, "%s/made.glb", folder->path);
+  ASSERT_OK(olx_export_scene(scene, path, NULL));
+  FILE *file = fopen(path, "rb");
+  assert_non_null(file);
+  assert_true(fread(bytes, 1, sizeof bytes - 1, file) > 20);
+  fclose(file);
+  const char *json = bytes + 20; // behind the file's header and that of its first chunk, which is text
+  assert_non_null(strstr(json, "\"sky\":[0,0,0]"));
 }
 
 static void environments_are_read_from_exr(void **state) {
@@ -33,6 +47,7 @@ static void environments_are_read_from_exr(void **state) {
   }
   assert_warned(scene, "sky.exr: 1 numbers were negative or not finite, now 0");
   assert_true(olx_scene_was_read_from(scene, path));
+  assert_exported_black(scene, *state);
   olx_scene_free(scene);
   const olx_scene_load_settings few = {.limits = {.texels = 7}};
   assert_int_equal(olx_scene_load_with(description, &few, &scene), OLX_ERROR_UNSUPPORTED);

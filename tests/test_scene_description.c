@@ -185,6 +185,75 @@ static void replaced_color_keeps_the_mask(void **state) {
   olx_scene_free(scene);
 }
 
+// Roughness and metallic share a texture: green and blue.
+static void a_texture_keeps_what_is_not_replaced(void **state) {
+  const uint8_t texel[4] = {10, 20, 30, 255};
+  uint8_t tga[18 + 4] = {0, 0, 2, [12] = 1, [14] = 1, [16] = 32, [17] = 8 | 32, 30, 20, 10, 255};
+  scene_folder_write(*state, "rough.tga", tga, sizeof tga);
+  char *gltf = scene_files_gltf("[{\"name\": \"wood\", \"pbrMetallicRoughness\": "
+                                "{\"metallicRoughnessTexture\": {\"index\": 0}}}]",
+                                0, "[{\"mesh\": 0}]",
+                                ", \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"rough.tga\"}]", false);
+  scene_folder_write_text(*state, "wood.gltf", gltf);
+  free(gltf);
+  const struct {
+    const char *change;
+    uint8_t green, blue;
+    float roughness, metallic;
+  } cases[] = {{"\"roughness\": 0.5", 255, texel[2], 0.5f, 1.0f},
+               {"\"metallic\": 0.5", texel[1], 255, 1.0f, 0.5f},
+               {"\"roughness\": 0.5}, \"wood\": {\"metallic\": 0.25", 255, 255, 0.5f, 0.25f}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    char text[256];
+    snprintf(text, sizeof text, "{\"model\": \"wood.gltf\", \"materials\": {\"*\": {%s}}}", cases[i].change);
+    olx_scene *scene = load(*state, text);
+    const olx_material *m = &scene->materials[0];
+    assert_int_not_equal(m->metallic_roughness_texture, OLX_NO_TEXTURE);
+    const olx_texture *kept = &scene->textures[m->metallic_roughness_texture];
+    assert_int_equal(kept->texels[1], cases[i].green);
+    assert_int_equal(kept->texels[2], cases[i].blue);
+    assert_near(m->roughness, cases[i].roughness);
+    assert_near(m->metallic, cases[i].metallic);
+    olx_scene_free(scene);
+  }
+  olx_scene *scene =
+      load(*state, "{\"model\": \"wood.gltf\", \"materials\": {\"*\": {\"roughness\": 0.5, \"metallic\": 0}}}");
+  assert_int_equal(scene->materials[0].metallic_roughness_texture, OLX_NO_TEXTURE);
+  olx_scene_free(scene);
+}
+
+// The flat has a sun, a lamp and a sky. Lamps that are twice as far away are four times as strong.
+static void lights_of_built_in_scenes_are_placed(void **state) {
+  olx_scene *alone = NULL;
+  assert_int_equal(olx_scene_load("builtin:flat", &alone), OLX_OK);
+  olx_scene *placed = load(*state, "{\"model\": \"builtin:flat\", \"scale\": 2, \"rotate_degrees\": [0, 90, 0], "
+                                   "\"translate\": [10, 0, 0]}");
+  assert_int_equal(placed->light_count, alone->light_count);
+  uint32_t suns = 0, points = 0;
+  for (uint32_t i = 0; i < alone->light_count; i++) {
+    const olx_light *was = &alone->lights[i], *is = &placed->lights[i];
+    const olx_vec3 d = was->direction, p = was->position, e = was->emission;
+    suns += was->type == OLX_LIGHT_SUN;
+    points += was->type == OLX_LIGHT_POINT;
+    if (was->type == OLX_LIGHT_SUN) {
+      assert_vec(is->direction, d.z, d.y, -d.x);
+      assert_vec(is->emission, e.x, e.y, e.z);
+    } else {
+      assert_vec(is->position, 10.0f + 2.0f * p.z, 2.0f * p.y, -2.0f * p.x);
+      assert_vec(is->emission, 4.0f * e.x, 4.0f * e.y, 4.0f * e.z);
+    }
+  }
+  assert_int_equal(suns, 1);
+  assert_int_equal(points, 1);
+  const olx_vec3 sky = alone->environment.radiance;
+  assert_vec(placed->environment.radiance, sky.x, sky.y, sky.z);
+  olx_scene_free(placed);
+  placed = load(*state, "{\"model\": \"builtin:flat\", \"environment\": {\"radiance\": [0, 0, 0]}}");
+  assert_vec(placed->environment.radiance, 0, 0, 0);
+  olx_scene_free(placed);
+  olx_scene_free(alone);
+}
+
 // A built-in scene can be a model, or a part beside one: it is placed like others, but its lamps remain lamps, and it
 // has no volume of probes.
 static void built_in_scenes_are_models(void **state) {
@@ -415,8 +484,8 @@ static float nearest_surface(const olx_scene *scene, olx_vec3 point) {
 
 static void real_descriptions_put_cameras_into_free_space(void **state) {
   (void)state;
-  const char *names[] = {"sponza", "living-room", "white-room", "kitchen", "veach-ajar", "godot-rooms", "small-house",
-                         "cornell-faint", "sponza-wang", "temple-wang"};
+  const char *names[] = {"sponza",      "living-room", "white-room",    "kitchen",     "veach-ajar",
+                         "godot-rooms", "small-house", "cornell-faint", "sponza-wang", "temple-wang"};
   char folder[4096];
   if (!scene_files_real("sponza/sponza.gltf", folder, sizeof folder)) {
     print_message("the real scenes are not there: skipped\n");
@@ -450,6 +519,8 @@ int main(void) {
       WITH_FOLDER(environment_is_constant_or_an_image),
       WITH_FOLDER(materials_are_replaced_by_name_over_all),
       WITH_FOLDER(built_in_scenes_are_models),
+      WITH_FOLDER(lights_of_built_in_scenes_are_placed),
+      WITH_FOLDER(a_texture_keeps_what_is_not_replaced),
       WITH_FOLDER(replaced_color_keeps_the_mask),
       WITH_FOLDER(probe_volume_and_counts),
       WITH_FOLDER(without_probe_volume_the_bounds_are_filled),

@@ -182,7 +182,7 @@ static void texture_lands_the_right_way_up(void **state) {
 static void alpha_map_masks(void **state) {
   uint8_t tga[34];
   scene_folder_write(*state, "four.tga", tga, scene_files_tga(tga));
-  olx_scene *scene = load_square(*state, "newmtl square\nKd 1 1 1\nmap_d four.tga\n");
+  olx_scene *scene = load_square(*state, "newmtl square\nKd 1 1 1\nmap_Kd four.tga\nmap_d four.tga\n");
   const olx_material *m = find_material(scene, "square");
   assert_near(m->alpha_cutoff, 0.5f);
   const olx_texture *mask = &scene->textures[m->alpha_texture];
@@ -190,6 +190,8 @@ static void alpha_map_masks(void **state) {
   // The alpha channel becomes R of the mask, where only the lower right texel is cut out.
   assert_near(olx_texture_sample(mask, (olx_vec2){0.75f, 0.75f}).color.x, 0.0f);
   assert_near(olx_texture_sample(mask, (olx_vec2){0.25f, 0.75f}).color.x, 1.0f);
+  // The alpha of a colour has no meaning in MTL.
+  assert_near(olx_texture_alpha(&scene->textures[m->base_color_texture], (olx_vec2){0.75f, 0.75f}), 1.0f);
   olx_scene_free(scene);
 }
 
@@ -199,6 +201,10 @@ static void missing_files_of_an_obj_warn_and_are_named(void **state) {
   assert_int_equal(scene->texture_count, 0);
   assert_int_equal(scene->materials[0].base_color_texture, OLX_NO_TEXTURE);
   assert_vec(scene->materials[0].base_color, 0.5f, 0.5f, 0.5f);
+  olx_scene_free(scene);
+  scene = load_square(*state, "newmtl square\nKd 0.5 0.5 0.5\nmap_Ke gone.png\n");
+  assert_true(has_warning(scene, "gone.png"));
+  assert_vec(scene->materials[0].emission, 0, 0, 0);
   olx_scene_free(scene);
   scene = load(scene_folder_write_text(*state, "alone.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
   assert_true(has_warning(scene, "gone.mtl"));

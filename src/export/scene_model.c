@@ -336,7 +336,8 @@ static void add_root(scene_model *m, cJSON **scene_nodes) {
   cJSON *extras = cJSON_AddObjectToObject(scene, "extras");
   cJSON_AddStringToObject(extras, "scene_hash", hash);
   cJSON_AddItemToObject(extras, "origin", cJSON_CreateDoubleArray(m->content.origin, 3));
-  add_vector(extras, "sky", m->content.environment->radiance);
+  const olx_environment *environment = m->content.environment;
+  add_vector(extras, "sky", environment->texels ? olx_splat(0.0f) : environment->radiance);
   m->nodes = cJSON_AddArrayToObject(m->root, "nodes");
   m->accessors = cJSON_AddArrayToObject(m->root, "accessors");
   m->views = cJSON_AddArrayToObject(m->root, "bufferViews");

@@ -40,8 +40,17 @@ static olx_result build_at_zero(const char *name, olx_scene *scene) {
   return result;
 }
 
+// Scales the light of points and spots, so that a scaled scene is as bright as before.
+static void place_light(const olx_affine *transform, float scale, olx_light *light) {
+  light->direction = olx_normalize(olx_affine_vector(transform, light->direction));
+  if (light->type == OLX_LIGHT_SUN) return;
+  light->position = olx_affine_point(transform, light->position);
+  light->emission = olx_scale(light->emission, scale * scale);
+}
+
 olx_result olx_import_builtin(const char *name, const olx_placement *placement, olx_scene *scene) {
-  const uint32_t first_vertex = scene->vertex_count, first_camera = scene->camera_count;
+  const uint32_t first_vertex = scene->vertex_count, first_camera = scene->camera_count,
+                 first_light = scene->light_count;
   const probe_volume kept = keep_volume(scene);
   const olx_result result = build_at_zero(name, scene);
   restore_volume(scene, &kept);
@@ -58,6 +67,9 @@ olx_result olx_import_builtin(const char *name, const olx_placement *placement, 
     camera->eye = olx_affine_point(&transform, camera->eye);
     camera->target = olx_affine_point(&transform, camera->target);
     camera->up = olx_normalize(olx_affine_vector(&transform, camera->up));
+  }
+  for (uint32_t i = first_light; i < scene->light_count; ++i) {
+    place_light(&transform, placement->scale, &scene->lights[i]);
   }
   return OLX_OK;
 }

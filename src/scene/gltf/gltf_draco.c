@@ -98,7 +98,7 @@ static const char *find_wrong_stream(const olx_gltf *gltf, const cJSON *primitiv
   const olx_gltf_bytes stream = gltf->view_data[view].bytes;
   const char *problem = olx_draco_read_header(stream.data, stream.size_bytes, &header);
   if (problem) return problem;
-  const bool fits = indices && indices->count == 3 * (uint64_t)header.faces &&
+  const bool fits = indices && header.faces > 0 && indices->count >= 3 * (uint64_t)header.faces &&
                     attribute_of(gltf, primitive, "POSITION")->count <= header.most_points;
   return fits ? NULL : "its Draco stream has other numbers of triangles or points than its accessors";
 }

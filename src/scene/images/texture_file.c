@@ -95,6 +95,11 @@ static void alpha_to_red(olx_texture *texture) {
   for (size_t i = 0; i < count && varies; ++i) texture->texels[i * 4] = texture->texels[i * 4 + 3];
 }
 
+static void make_opaque(olx_texture *texture) {
+  const size_t count = (size_t)texture->width * texture->height;
+  for (size_t i = 0; i < count; ++i) texture->texels[i * 4 + 3] = 255;
+}
+
 static olx_result decode_texels(const char *path, const void *data, size_t size_bytes, int *width, int *height,
                                 uint8_t **texels) {
   int channels;
@@ -116,9 +121,12 @@ static olx_result decode_texture(const char *path, const void *data, size_t size
   uint8_t *texels = NULL;
   OLX_TRY(check_header(path, data, size_bytes, &count));
   OLX_TRY(decode_texels(path, data, size_bytes, &width, &height, &texels));
-  *texture = (olx_texture){
-      .width = (uint32_t)width, .height = (uint32_t)height, .texels = texels, .srgb = use == OLX_TEXTURE_COLOR};
+  *texture = (olx_texture){.width = (uint32_t)width,
+                           .height = (uint32_t)height,
+                           .texels = texels,
+                           .srgb = use == OLX_TEXTURE_COLOR || use == OLX_TEXTURE_OPAQUE};
   if (use == OLX_TEXTURE_COVERAGE) alpha_to_red(texture);
+  if (use == OLX_TEXTURE_OPAQUE) make_opaque(texture);
   return OLX_OK;
 }
 

@@ -6,6 +6,7 @@
 
 typedef enum olx_texture_use {
   OLX_TEXTURE_COLOR,   // sRGB-encoded colour, alpha in A
+  OLX_TEXTURE_OPAQUE,  // the same with an alpha of 1
   OLX_TEXTURE_DATA,    // linear values
   OLX_TEXTURE_COVERAGE // R becomes the image's alpha channel where it has one that varies
 } olx_texture_use;

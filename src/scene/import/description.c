@@ -20,14 +20,21 @@
 #define LARGEST_ALBEDO 0.95f
 #define DEGREES (OLX_PI / 180.0f)
 
+// What a texture keeps of a texture that a description replaces in part.
+typedef enum kept_part { KEPT_ALPHA, KEPT_ROUGHNESS, KEPT_METALLIC } kept_part;
+
+typedef struct kept_texture {
+  uint32_t of, index; // of the scene's textures
+  kept_part part;
+} kept_texture;
+
 typedef struct description {
   const char *path;
   olx_scene *scene;
   uint32_t unknown_keys;
   olx_name_index names; // names of the models' materials, which the entries of "materials" refer to
-  uint32_t *masks;      // for each texture of the models, the texture that keeps its alpha; OLX_NO_TEXTURE: not created
-                        // yet
-  uint32_t mask_count;
+  kept_texture *kept;   // textures that keep a part of the models' textures, shared by materials
+  uint32_t kept_count, kept_capacity;
 } description;
 
 // An object of the description and its path in it: "lights[2]", or "" for the whole.
@@ -358,34 +365,72 @@ static olx_result read_material_change(description *d, const place *at, material
   return OLX_OK;
 }
 
-// Creates a texture that holds only the alpha of texture `of`.
-static olx_result make_mask(olx_scene *scene, uint32_t of, uint32_t *index) {
-  olx_texture mask = scene->textures[of];
-  const size_t count = (size_t)mask.width * mask.height;
-  const uint8_t *colors = mask.texels;
-  mask.srgb = false;
-  mask.texels = olx_allocate(count, 4);
-  if (!mask.texels) return olx_fail(OLX_ERROR_MEMORY, "out of memory for a texture");
-  for (size_t i = 0; i < count; ++i) memset(mask.texels + i * 4, colors[i * 4 + 3], 4);
-  return olx_scene_add_texture(scene, &mask, index);
+static void keep_texel(kept_part part, const uint8_t from[4], uint8_t to[4]) {
+  if (part == KEPT_ALPHA) {
+    memset(to, from[3], 4);
+    return;
+  }
+  memcpy(to, from, 4);
+  to[part == KEPT_ROUGHNESS ? 2 : 1] = 255; // metallic is in B, roughness in G
 }
 
-// Keeps the alpha of the texture whose colour is replaced. Materials with the same texture share the result.
+// Creates a texture that keeps a part of texture `of`.
+static olx_result make_kept(olx_scene *scene, uint32_t of, kept_part part, uint32_t *index) {
+  olx_texture kept = scene->textures[of];
+  const size_t count = (size_t)kept.width * kept.height;
+  const uint8_t *texels = kept.texels;
+  kept.srgb = false;
+  kept.texels = olx_allocate(count, 4);
+  if (!kept.texels) return olx_fail(OLX_ERROR_MEMORY, "out of memory for a texture");
+  for (size_t i = 0; i < count; ++i) keep_texel(part, texels + i * 4, kept.texels + i * 4);
+  return olx_scene_add_texture(scene, &kept, index);
+}
+
+static olx_result make_room(description *d) {
+  if (d->kept_count < d->kept_capacity) return OLX_OK;
+  const uint32_t capacity = d->kept_capacity ? d->kept_capacity * 2 : 16;
+  kept_texture *grown = olx_allocate(capacity, sizeof *grown);
+  if (!grown) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", d->path);
+  if (d->kept_count) memcpy(grown, d->kept, d->kept_count * sizeof *grown);
+  olx_release(d->kept);
+  d->kept = grown;
+  d->kept_capacity = capacity;
+  return OLX_OK;
+}
+
+// Replaces the index of a texture by that of one that keeps a part of it.
+static olx_result keep_part(description *d, kept_part part, uint32_t *index) {
+  for (uint32_t i = 0; i < d->kept_count; ++i) {
+    if (d->kept[i].of != *index || d->kept[i].part != part) continue;
+    *index = d->kept[i].index;
+    return OLX_OK;
+  }
+  OLX_TRY(make_room(d));
+  kept_texture kept = {.of = *index, .part = part};
+  OLX_TRY(make_kept(d->scene, kept.of, part, &kept.index));
+  d->kept[d->kept_count++] = kept;
+  *index = kept.index;
+  return OLX_OK;
+}
+
+// Keeps the alpha of the texture whose colour is replaced.
 static olx_result keep_mask(description *d, olx_material *m) {
-  olx_scene *scene = d->scene;
   if (m->base_color_texture == OLX_NO_TEXTURE || m->alpha_cutoff <= 0.0f || m->alpha_texture != OLX_NO_TEXTURE) {
     return OLX_OK;
   }
-  if (!d->masks) {
-    d->masks = olx_allocate(scene->texture_count, sizeof *d->masks);
-    if (!d->masks) return olx_fail(OLX_ERROR_MEMORY, "%s: out of memory", d->path);
-    for (; d->mask_count < scene->texture_count; ++d->mask_count) d->masks[d->mask_count] = OLX_NO_TEXTURE;
-  }
-  uint32_t *mask = &d->masks[m->base_color_texture];
-  if (*mask == OLX_NO_TEXTURE) OLX_TRY(make_mask(scene, m->base_color_texture, mask));
-  m->alpha_texture = *mask;
+  m->alpha_texture = m->base_color_texture;
   if (m->second_uvs & OLX_SLOT_BASE_COLOR) m->second_uvs |= OLX_SLOT_ALPHA;
-  return OLX_OK;
+  return keep_part(d, KEPT_ALPHA, &m->alpha_texture);
+}
+
+// Roughness and metallic share a texture, which keeps the one that is not replaced.
+static olx_result replace_roughness_and_metallic(description *d, const material_change *change, olx_material *m) {
+  uint32_t *texture = &m->metallic_roughness_texture;
+  if (change->roughness && change->metallic) *texture = OLX_NO_TEXTURE;
+  if (change->metallic) m->metallic = change->metallic_value;
+  if (change->roughness) m->roughness = change->roughness_value;
+  if (*texture == OLX_NO_TEXTURE || change->roughness == change->metallic) return OLX_OK;
+  return keep_part(d, change->roughness ? KEPT_METALLIC : KEPT_ROUGHNESS, texture);
 }
 
 static olx_result apply_change(description *d, const material_change *change, olx_material *m) {
@@ -395,13 +440,10 @@ static olx_result apply_change(description *d, const material_change *change, ol
     m->base_color_texture = OLX_NO_TEXTURE;
     m->vertex_colors = false;
   }
-  if (change->roughness || change->metallic) m->metallic_roughness_texture = OLX_NO_TEXTURE;
-  if (change->metallic) m->metallic = change->metallic_value;
-  if (change->roughness) m->roughness = change->roughness_value;
+  OLX_TRY(replace_roughness_and_metallic(d, change, m));
   // Roughness affects only the specular lobe, so that the material gets one.
-  if (change->roughness && !change->specular) m->specular_weight = 1.0f;
-  if (change->specular) {
-    m->specular_weight = change->specular_value;
+  if (change->specular || change->roughness) {
+    m->specular_weight = change->specular ? change->specular_value : 1.0f;
     m->specular_in_alpha = false;
   }
   if (change->emission) {
@@ -548,8 +590,10 @@ static olx_result read_description(description *d, const place *root) {
   OLX_TRY(read_list(d, root, "cameras", read_camera));
   OLX_TRY(read_probes(d, root));
   OLX_TRY(read_environment(d, root));
+  const olx_environment environment = d->scene->environment;
   if (member(root, "model")) OLX_TRY(read_model(d, root, "model"));
   OLX_TRY(read_list(d, root, "models", read_models_entry));
+  if (member(root, "environment")) d->scene->environment = environment; // in place of a built-in scene's
   OLX_TRY(index_materials(d));
   OLX_TRY(read_materials(d, root, true));
   OLX_TRY(read_materials(d, root, false));
@@ -572,7 +616,7 @@ olx_result olx_import_description(const char *path, olx_scene *scene) {
   root.object = json;
   result = read_description(&d, &root);
   olx_name_index_free(&d.names);
-  olx_release(d.masks);
+  olx_release(d.kept);
   cJSON_Delete(json);
   return result;
 }

@@ -14,8 +14,8 @@ typedef struct olx_placement {
 // Appends a glTF, GLB or OBJ model: triangles, materials, textures, lights and cameras.
 olx_result olx_import_model(const char *path, const olx_placement *placement, olx_scene *scene);
 
-// Appends a built-in scene, named without "builtin:": its triangles, materials and cameras. All its light comes from
-// triangles; its probe volume is not imported.
+// Appends a built-in scene, named without "builtin:": its triangles, materials, lights and cameras. Lights of points and
+// spots grow with the square of the scale. A sky of its own replaces the scene's; its probe volume is not imported.
 olx_result olx_import_builtin(const char *name, const olx_placement *placement, olx_scene *scene);
 
 // Fills an empty scene from a JSON description (docs/scenes.md).

@@ -45,6 +45,7 @@ static olx_result add_materials(obj_import *import, olx_material_import *materia
     OLX_TRY(olx_scene_add_material(import->scene, &material, &import->material_index[i]));
   }
   OLX_TRY(olx_import_load_textures(materials, first));
+  for (uint32_t i = first; i < import->scene->material_count; ++i) olx_finish_mtl(&import->scene->materials[i]);
   olx_import_warn_about_materials(materials);
   return OLX_OK;
 }

@@ -54,10 +54,9 @@ static olx_result read_mtl(olx_material_import *import, const source_material *s
   const float exponent = olx_max(get_float(source, AI_MATKEY_SHININESS, 0.0f), 0.0f);
   m->roughness = m->specular_weight > 0.0f ? sqrtf(sqrtf(2.0f / (exponent + 2.0f))) : 1.0f;
   if (has_float(source, AI_MATKEY_ROUGHNESS_FACTOR)) m->roughness = get_float(source, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f);
-  OLX_TRY(request_texture(import, source, aiTextureType_DIFFUSE, OLX_TEXTURE_COLOR, &m->base_color_texture));
+  OLX_TRY(request_texture(import, source, aiTextureType_DIFFUSE, OLX_TEXTURE_OPAQUE, &m->base_color_texture));
   OLX_TRY(request_texture(import, source, aiTextureType_OPACITY, OLX_TEXTURE_COVERAGE, &m->alpha_texture));
-  OLX_TRY(request_texture(import, source, aiTextureType_EMISSIVE, OLX_TEXTURE_COLOR, &m->emission_texture));
-  if (m->emission_texture != OLX_NO_TEXTURE && olx_max3(m->emission) <= 0.0f) m->emission = olx_splat(1.0f);
+  OLX_TRY(request_texture(import, source, aiTextureType_EMISSIVE, OLX_TEXTURE_OPAQUE, &m->emission_texture));
   OLX_TRY(request_texture(import, source, aiTextureType_NORMALS, OLX_TEXTURE_DATA, &m->normal_texture));
   if (m->normal_texture == OLX_NO_TEXTURE) {
     OLX_TRY(request_texture(import, source, aiTextureType_HEIGHT, OLX_TEXTURE_DATA, &m->normal_texture));
@@ -66,6 +65,11 @@ static olx_result read_mtl(olx_material_import *import, const source_material *s
   }
   read_mtl_opacity(import, source, m);
   return OLX_OK;
+}
+
+void olx_finish_mtl(olx_material *material) {
+  const bool dark = olx_max3(material->emission) <= 0.0f;
+  if (dark && material->emission_texture != OLX_NO_TEXTURE) material->emission = olx_splat(1.0f);
 }
 
 olx_result olx_import_mtl(olx_material_import *import, const struct aiMaterial *source, olx_material *material) {

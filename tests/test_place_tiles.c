@@ -184,6 +184,24 @@ static void a_count_is_kept_in_tiles(void **state) {
   olx_scene_free(scene);
 }
 
+// A budget drops the last probes, which must be those that add least, not those of the last tile.
+static void a_budget_lists_probes_by_what_they_add(void **state) {
+  (void)state;
+  olx_scene *scene = load_hall(false);
+  olx_place_settings settings = hall_settings(scene);
+  settings.resolution = 64;
+  settings.budget_mb = 100.0;
+  olx_probe_set set = place(scene, &settings);
+  assert_int_equal(set.report.tiles, 2);
+  uint32_t back = 0; // from a later tile to an earlier one
+  for (uint32_t i = 1; i < set.count; i++) {
+    back += set.probes[i - 1].position.x > 0.6f * HALL_LENGTH && set.probes[i].position.x < 0.4f * HALL_LENGTH;
+  }
+  assert_true(back > 0);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
 // The uncovered area is that of the sealed room's inner surfaces: floor, ceiling, two long walls and two short ones.
 static void a_sealed_room_is_told_in_square_metres(void **state) {
   (void)state;
@@ -249,6 +267,7 @@ int main(void) {
       cmocka_unit_test(the_order_of_tiles_does_not_matter),
       cmocka_unit_test(tiles_cover_a_hall_with_any_number_of_threads),
       cmocka_unit_test(a_count_is_kept_in_tiles),
+      cmocka_unit_test(a_budget_lists_probes_by_what_they_add),
       cmocka_unit_test(a_sealed_room_is_told_in_square_metres),
       cmocka_unit_test(coarse_voxels_close_doors),
       cmocka_unit_test(a_playable_box_may_hold_tiles_without_space),

@@ -62,8 +62,15 @@ static olx_result check_grid(const olx_grid *grid, const char *name) {
     probes *= grid->count[axis];
     if (probes > OLX_BAKE_PROBES_MOST)
       return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: more than %d probes", name, OLX_BAKE_PROBES_MOST);
-    if (!isfinite(spacing[axis]) || spacing[axis] < 0.0f || (grid->count[axis] > 1 && spacing[axis] <= 0.0f)) {
-      return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: spacing %g along axis %u", name, (double)spacing[axis], axis);
+    if (grid->count[axis] > 1 && spacing[axis] == 0.0f) {
+      return olx_fail(
+          OLX_ERROR_ARGUMENT,
+          "bake: %s: %u probes at the same %c: a flat scene needs one probe along that axis, other bounds of "
+          "its probes, or probes that `octalux place` placed",
+          name, grid->count[axis], "xyz"[axis]);
+    }
+    if (!isfinite(spacing[axis]) || spacing[axis] < 0.0f) {
+      return olx_fail(OLX_ERROR_ARGUMENT, "bake: %s: spacing %g along %c", name, (double)spacing[axis], "xyz"[axis]);
     }
   }
   const olx_vec3 last = {grid->origin.x + spacing[0] * (float)(grid->count[0] - 1),

@@ -37,7 +37,8 @@ static olx_result find_unserved(olx_volume_bake *b, double *share) {
   if (!b->cells.data) return OLX_OK;
   olx_volume volume;
   OLX_TRY(olx_volume_open(b->cells.data, b->cells.size_bytes, "bake", &volume));
-  return olx_volume_unserved(b->context->scene, &volume, probes->positions, probes->flags, probes->count, share);
+  return olx_volume_unserved(b->context->scene, &volume, probes->positions, probes->flags, probes->count,
+                             b->context->settings->threads, share);
 }
 
 olx_result olx_volume_bake_create(olx_volume_bake *b, olx_bake_stats *stats) {

@@ -134,7 +134,7 @@ static void look_around(void *user, uint32_t probe) {
 }
 
 olx_result olx_volume_unserved(const olx_scene *scene, const olx_volume *volume, const olx_vec3 *positions,
-                               const uint8_t *flags, uint32_t count, double *share) {
+                               const uint8_t *flags, uint32_t count, uint32_t threads, double *share) {
   view_job j = {.scene = scene,
                 .volume = volume,
                 .positions = positions,
@@ -143,7 +143,7 @@ olx_result olx_volume_unserved(const olx_scene *scene, const olx_volume *volume,
                 .unserved = olx_allocate_zero(count, sizeof *j.unserved)};
   olx_result result =
       j.seen && j.unserved ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "bake: out of memory for %u probes", count);
-  if (result == OLX_OK) result = olx_parallel_for(count, 0, look_around, &j, NULL, 0);
+  if (result == OLX_OK) result = olx_parallel_for(count, threads, look_around, &j, NULL, 0);
   double seen = 0.0, unserved = 0.0;
   for (uint32_t i = 0; result == OLX_OK && i < count; i++) {
     seen += j.seen[i];

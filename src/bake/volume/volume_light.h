@@ -22,6 +22,6 @@ olx_result olx_volume_light_make(olx_volume_light *volume, const olx_vec3 *posit
 // Finds the share of the surfaces that probes at `positions` with flags[i] == 0 see, by solid angle, at which the
 // volume has no cell.
 olx_result olx_volume_unserved(const olx_scene *scene, const olx_volume *volume, const olx_vec3 *positions,
-                               const uint8_t *flags, uint32_t count, double *share);
+                               const uint8_t *flags, uint32_t count, uint32_t threads, double *share);
 
 #endif

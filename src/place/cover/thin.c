@@ -33,6 +33,8 @@ typedef struct thinner {
   uint32_t *surfels;
   uint8_t *views;  // per surfel: views by probes that are kept
   uint8_t *kept;   // one per probe
+  uint32_t *order; // of the kept probes, in the order in which they were chosen
+  uint32_t order_count;
   uint32_t *gains; // per probe: surfels that it added when last counted
 } thinner;
 
@@ -107,8 +109,9 @@ static olx_result sort_sightings(thinner *t) {
   t->surfels = olx_allocate(t->seen_count, sizeof *t->surfels);
   t->views = olx_allocate_zero(t->surfel_count, 1);
   t->kept = olx_allocate_zero(t->probe_count, 1);
+  t->order = olx_allocate(t->probe_count, sizeof *t->order);
   t->gains = olx_allocate(t->probe_count, sizeof *t->gains);
-  if (!t->first || !t->surfels || !t->views || !t->kept || !t->gains) return no_memory();
+  if (!t->first || !t->surfels || !t->views || !t->kept || !t->order || !t->gains) return no_memory();
   for (size_t i = 0; i < t->seen_count; i++) t->first[t->seen[i].probe + 2]++;
   for (uint32_t i = 2; i < t->probe_count + 2; i++) t->first[i] += t->first[i - 1];
   for (size_t i = 0; i < t->seen_count; i++) t->surfels[t->first[t->seen[i].probe + 1]++] = t->seen[i].surfel;
@@ -128,6 +131,7 @@ static uint32_t gain_of(const thinner *t, uint32_t probe) {
 static void keep(thinner *t, uint32_t probe) {
   const uint32_t least = t->tiling->settings->views;
   t->kept[probe] = 1;
+  t->order[t->order_count++] = probe;
   for (size_t i = t->first[probe]; i < t->first[probe + 1]; i++) {
     uint8_t *views = &t->views[t->surfels[i]];
     if (*views >= least) continue;
@@ -168,6 +172,17 @@ static olx_result choose(thinner *t) {
   return OLX_OK;
 }
 
+// Moves the kept probes to the front in the order in which they were chosen, so that the last ones are those that add
+// least, wherever they are: a budget may drop some of them (budget.h).
+static olx_result sort_by_choice(const thinner *t, olx_candidate *probes) {
+  olx_candidate *chosen = olx_allocate(t->order_count, sizeof *chosen);
+  if (!chosen) return no_memory();
+  for (uint32_t i = 0; i < t->order_count; i++) chosen[i] = probes[t->order[i]];
+  memcpy(probes, chosen, t->order_count * sizeof *chosen);
+  olx_release(chosen);
+  return OLX_OK;
+}
+
 static olx_result thin(thinner *t, uint32_t limit, olx_candidate *probes, uint32_t *count) {
   const uint32_t pinned = t->tiling->pinned.count;
   for (uint32_t i = 0; i < t->tiling->world->tile_total; i++) OLX_TRY(look_at_tile(t, i));
@@ -179,11 +194,12 @@ static olx_result thin(thinner *t, uint32_t limit, olx_candidate *probes, uint32
   t->wanted = limit - pinned;
   for (uint32_t i = 0; i < pinned; i++) keep(t, i);
   OLX_TRY(choose(t));
+  *count = t->order_count;
+  if (t->tiling->settings->budget_mb > 0.0) return sort_by_choice(t, probes);
   uint32_t used = 0;
   for (uint32_t i = 0; i < t->probe_count; i++) {
     if (t->kept[i]) probes[used++] = probes[i];
   }
-  *count = used;
   return OLX_OK;
 }
 
@@ -195,6 +211,7 @@ olx_result olx_tiling_thin(const olx_tiling *tiling, uint32_t limit, olx_candida
   olx_release(t.surfels);
   olx_release(t.views);
   olx_release(t.kept);
+  olx_release(t.order);
   olx_release(t.gains);
   return result;
 }

@@ -5,7 +5,10 @@
 #include "scene/surface.h"
 #include "scene/triangle_box.h"
 
-enum { TRIANGLES_A_JOB = 1024 };
+enum {
+  TRIANGLES_A_JOB = 1024,
+  MOST_STEPS = 4096 // between sample points along an edge of a masked triangle
+};
 
 typedef struct mark_job {
   const olx_scene *scene;
@@ -92,13 +95,18 @@ static void mark_triangle(const mark_job *job, uint32_t triangle) {
   }
 }
 
-// Marks the cells of sample points of a masked triangle, three per voxel's edge, where the surface is opaque.
+// Marks the cells of sample points of a masked triangle, three per voxel's edge, where the surface is opaque. One that
+// is too long for so many points counts as opaque everywhere.
 static void mark_masked(const mark_job *job, uint32_t triangle) {
   cell_triangle t;
   if (!set_up_triangle(job, triangle, &t)) return;
   const olx_vec3 u = olx_sub(t.corners[1], t.corners[0]), v = olx_sub(t.corners[2], t.corners[0]);
   const float longest = olx_max(olx_length(u), olx_max(olx_length(v), olx_length(olx_sub(v, u))));
-  const uint32_t steps = (uint32_t)olx_clamp(ceilf(longest * 3.0f), 1.0f, 4096.0f);
+  if (longest * 3.0f > (float)MOST_STEPS) {
+    mark_triangle(job, triangle);
+    return;
+  }
+  const uint32_t steps = (uint32_t)olx_max(ceilf(longest * 3.0f), 1.0f);
   for (uint32_t i = 0; i <= steps; i++) {
     for (uint32_t j = 0; i + j <= steps; j++) {
       const float a = (float)i / (float)steps, b = (float)j / (float)steps;

@@ -9,8 +9,10 @@ import os
 import pathlib
 import platform
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -45,8 +47,11 @@ def library_bytes(folder, name):
     found = next((path for path in (folder / "src" / name, folder / name) if path.exists()), None)
     if found is None:
         raise SystemExit(f"wheel_backend: {folder}: no {name}; build it first, or name its build folder")
-    stripped = subprocess.run(["strip", "--strip-debug", "-o", "/dev/stdout", str(found)], capture_output=True)
-    return stripped.stdout if stripped.returncode == 0 and stripped.stdout.startswith(b"\x7fELF") else found.read_bytes()
+    with tempfile.TemporaryDirectory() as place:
+        stripped = pathlib.Path(place, name)
+        if shutil.which("strip"):
+            subprocess.run(["strip", "--strip-debug", "-o", stripped, found], check=True)
+        return (stripped if stripped.exists() else found).read_bytes()
 
 
 def contents(folder):
@@ -56,8 +61,9 @@ def contents(folder):
     info = info_folder()
     files[f"{info}/LICENSE"] = (HERE.parent / "LICENSE").read_bytes()
     for name, path in COMPILED_IN.items():
-        if pathlib.Path(path).exists():
-            files[f"{info}/licenses/{name}.txt"] = pathlib.Path(path).read_bytes()
+        if not pathlib.Path(path).exists():
+            raise SystemExit(f"wheel_backend: {path}: missing; the wheel must contain the notice of {name}")
+        files[f"{info}/licenses/{name}.txt"] = pathlib.Path(path).read_bytes()
     files[f"{info}/METADATA"] = metadata().encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: octalux\nRoot-Is-Purelib: false\nTag: {tag()}\n".encode()
     return files

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import signal
 import tempfile
 import threading
 import unittest
@@ -242,6 +243,17 @@ class Scenes(Packaged):
         with self.assertRaisesRegex(RuntimeError, "enough of"):
             octalux.bake(self.scene, path, radiance_size=256, progress=fail)
         self.assertFalse(path.exists())
+
+    def test_ctrl_c_ends_work(self):
+        path, before = self.path / "interrupted.olx", signal.getsignal(signal.SIGINT)
+        for progress in None, lambda stage, done: True:
+            timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+            timer.start()
+            with self.assertRaises(KeyboardInterrupt):
+                octalux.bake(self.scene, path, radiance_size=1024, noise=0.001, progress=progress)
+            timer.join()
+            self.assertFalse(path.exists())
+            self.assertIs(signal.getsignal(signal.SIGINT), before)
 
 
 class Images(Packaged):

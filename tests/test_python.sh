@@ -59,8 +59,10 @@ import sys, zipfile
 names = set(zipfile.ZipFile(sys.argv[1]).namelist())
 info = next(n for n in names if n.endswith("/METADATA")).split("/")[0]
 wanted = {"octalux/__init__.py", "octalux/py.typed", "octalux/lib/liboctalux.so", "octalux/lib/liboctalux-bake.so",
-          f"{info}/LICENSE", f"{info}/RECORD", f"{info}/WHEEL"}
+          f"{info}/LICENSE", f"{info}/licenses/xxHash.txt", f"{info}/licenses/stb.txt", f"{info}/RECORD", f"{info}/WHEEL"}
 assert wanted <= names, wanted - names
+for name in sorted(names):  # what only debuggers read is left out
+    assert not name.endswith(".so") or b".debug_info" not in zipfile.ZipFile(sys.argv[1]).read(name), name
 text = zipfile.ZipFile(sys.argv[1]).read(f"{info}/METADATA").decode()
 for word in ("liboctalux-bake.so", "Embree", "MIT", "Requires-Dist: numpy"):
     assert word in text, word

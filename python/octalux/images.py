@@ -124,8 +124,8 @@ def render(scene: Scene, field: Field | None = None, camera: Any = None, *, meth
     chosen = library.olx_render_settings_default(native.number("method", method))
     native.fill(chosen, {**settings, **({"sample": dict(sample)} if sample else {})})
     watch, image = native.Watch(progress), native.Image()
-    watch.check(library.olx_render(scene.handle, field.handle if field else None, _camera(scene, camera), chosen,
-                                   watch.progress, image, None))
+    watch.call(library.olx_render, scene.handle, field.handle if field else None, _camera(scene, camera), chosen, watch.progress,
+               image, None)
     return _taken(image)
 
 

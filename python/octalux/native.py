@@ -10,6 +10,8 @@ import ctypes
 import enum
 import os
 import pathlib
+import signal
+import threading
 from ctypes import (CFUNCTYPE, POINTER, c_bool, c_char, c_char_p, c_double, c_float, c_int, c_size_t, c_uint8, c_uint32, c_uint64,
                     c_void_p)
 from types import SimpleNamespace
@@ -450,21 +452,37 @@ def _plain(struct: Struct, name: str, value: Any) -> Any:
 
 
 class Watch:
-    """The progress of a call: a Python function hears of it, and an exception, such as that of Ctrl-C, ends it."""
+    """A call with progress: a Python function hears of it, and an exception, such as that of Ctrl-C, ends it."""
 
     def __init__(self, function: Any = None):
-        self.function, self.raised = function, None
+        self.function, self.raised, self.before = function, None, None
         self.progress = Progress(REPORT(self._report), None)
 
     def _report(self, _user: Any, stage: bytes, done: float) -> bool:
+        wanted = True
         try:
-            return self.function is None or self.function(stage.decode(), done) is not False
+            wanted = self.function is None or self.function(stage.decode(), done) is not False
         except BaseException as error:  # raised again once the call has returned
             self.raised = error
-            return False
+        return wanted and self.raised is None
 
-    def check(self, result: int) -> None:
-        """Raise what was raised on the way, else as `check`."""
+    def _interrupt(self, number: int, frame: Any) -> None:
+        """Keep what the handler of before raises: Python would drop an exception at the beginning of a callback."""
+        try:
+            self.before(number, frame)
+        except BaseException as error:
+            self.raised = error
+
+    def call(self, function: Any, *arguments: Any) -> None:
+        """Call a function of the library. Raise what was raised on the way, else as `check`."""
+        handles = threading.current_thread() is threading.main_thread() and callable(signal.getsignal(signal.SIGINT))
+        if handles:
+            self.before = signal.signal(signal.SIGINT, self._interrupt)
+        try:
+            result = function(*arguments)
+        finally:
+            if handles:
+                signal.signal(signal.SIGINT, self.before)
         if self.raised is not None:
             raise self.raised
         check(result)

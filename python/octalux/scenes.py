@@ -102,7 +102,7 @@ def place(scene: Scene, method: str = "cover", *, grid: Any = None, progress: Pr
     if grid is not None:
         chosen.grid = _grid(scene, grid)
     watch, probes = native.Watch(progress), native.ProbeSet()
-    watch.check(library.olx_place(scene.handle, chosen, watch.progress, probes))
+    watch.call(library.olx_place, scene.handle, chosen, watch.progress, probes)
     return Probes(probes)
 
 
@@ -112,7 +112,7 @@ def join(folder: str | os.PathLike[str], path: str | os.PathLike[str], *, keep: 
     members of olx_bake_stats that are known. Raises Error.
     """
     watch, stats = native.Watch(progress), native.BakeStats()
-    watch.check(library.olx_bake_join(os.fsencode(folder), os.fsencode(path), keep, watch.progress, stats))
+    watch.call(library.olx_bake_join, os.fsencode(folder), os.fsencode(path), keep, watch.progress, stats)
     return native.record(stats)
 
 
@@ -157,5 +157,5 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     watch, stats = native.Watch(progress), native.BakeStats()
     if budget_mb is not None:
         chosen.radiance_size = _size_for_budget(scene, chosen, budget_mb, settings)
-    watch.check(library.olx_bake(scene.handle, chosen, os.fsencode(path), watch.progress, stats))
+    watch.call(library.olx_bake, scene.handle, chosen, os.fsencode(path), watch.progress, stats)
     return native.record(stats)

@@ -303,9 +303,14 @@ function addGlossyLight() {
   });
 }
 
-// Without the extension three.js would print a warning.
+// Compiles shaders for the target that is drawn to, on which their text depends. Without the extension three.js would
+// print a warning.
 async function compile(what) {
-  if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(what, camera);
+  if (!renderer.extensions.has('KHR_parallel_shader_compile')) return;
+  renderer.setRenderTarget(picture.frame);
+  const compiled = renderer.compileAsync(what, camera);
+  renderer.setRenderTarget(null);
+  await compiled;
 }
 
 function haveTools() {

@@ -1,5 +1,5 @@
 // Frames, and their mean while nothing moves: drawn in linear light, added up, and shown through a tone map.
-import { FloatType, HalfFloatType, Mesh, OrthographicCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderTarget } from 'three';
+import { DataUtils, FloatType, HalfFloatType, Mesh, OrthographicCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderTarget } from 'three';
 
 const VERTEX = 'varying vec2 place; void main() { place = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }';
 const ADD = 'uniform sampler2D image; uniform float share; varying vec2 place; void main() { gl_FragColor = vec4(texture2D(image, place).rgb, share); }';
@@ -40,7 +40,7 @@ export class Picture {
     this.type = enableFloats(renderer) ? FloatType : HalfFloatType;
     this.frame = new WebGLRenderTarget(1, 1, { type: this.type });
     this.mean = new WebGLRenderTarget(1, 1, { type: this.type, depthBuffer: false });
-    this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: FloatType, depthBuffer: false });
+    this.probe = new WebGLRenderTarget(PROBE_SIZE, PROBE_SIZE, { type: this.type, depthBuffer: false });
     this.adding = pass(ADD, { image: { value: this.frame.texture }, share: { value: 1 } }, { transparent: true, toneMapped: false });
     this.showing = pass(SHOW, { image: { value: this.mean.texture } }, {});
     this.count = this.rows = 0; // frames in the mean, and drawn rows of the next frame
@@ -109,13 +109,19 @@ export class Picture {
     this.count++;
   }
 
+  #readPixels(target, width, height) {
+    const count = 4 * width * height, half = this.type === HalfFloatType;
+    const pixels = half ? new Uint16Array(count) : new Float32Array(count);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    return half ? Float32Array.from(pixels, DataUtils.fromHalfFloat) : pixels;
+  }
+
   // Returns the geometric mean of luminance over the frame that was drawn last.
   meanLuminance() {
-    const pixels = new Float32Array(4 * PROBE_SIZE ** 2);
     this.adding.uniforms.share.value = 1;
     this.renderer.setRenderTarget(this.probe);
     this.renderer.render(this.adding.scene, this.camera);
-    this.renderer.readRenderTargetPixels(this.probe, 0, 0, PROBE_SIZE, PROBE_SIZE, pixels);
+    const pixels = this.#readPixels(this.probe, PROBE_SIZE, PROBE_SIZE);
     this.renderer.setRenderTarget(null);
     let sum = 0, count = 0;
     for (let i = 0; i < pixels.length; i += 4) {
@@ -130,12 +136,11 @@ export class Picture {
   // Returns the mean of `frames` frames that are not shifted, in linear light: RGBA, rows from the bottom up.
   read(scenes, camera, field, width, height, frames) {
     const target = new WebGLRenderTarget(width, height, { type: this.type });
-    const pixels = new Float32Array(4 * width * height), mean = new Float32Array(pixels.length);
+    const mean = new Float32Array(4 * width * height);
     for (let index = 0; index < frames; index++) {
       field.setFrame(index);
       this.#render(scenes, camera, target);
-      this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
-      pixels.forEach((value, i) => { mean[i] += value / frames; });
+      this.#readPixels(target, width, height).forEach((value, i) => { mean[i] += value / frames; });
     }
     this.renderer.setRenderTarget(null);
     target.dispose();

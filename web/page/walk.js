@@ -51,13 +51,13 @@ export class Walk {
 
   #key(event, down) {
     this.fast = event.shiftKey;
+    if (!down) this.held.delete(event.code); // also with a modifier, or with the focus elsewhere
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches?.('input')) return;
     if (!MOVES[event.code] && !TURNS[event.code]) return;
     event.preventDefault();
     // Moves at least this far, even if the key is released before the next frame.
     if (down && !event.repeat) this.#press(event.code, TAP_SECONDS);
     if (down) this.held.add(event.code);
-    else this.held.delete(event.code);
   }
 
   #ray(event) {

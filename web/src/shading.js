@@ -30,7 +30,9 @@ uniform uint olx_sample_index; // of the frame: another draw of them
 uniform bool olx_emitters;     // rays find lamps, in place of highlights of lights
 uniform int olx_layer;         // what is shown, and computed: 0 the picture, 1 diffuse, 2 glossy indirect light alone,
                                // 3 rays, 4 depth, 5 normals
+#ifndef USE_TRANSMISSION // with which three.js declares it
 uniform mat4 projectionMatrix;
+#endif
 // Least cosines of a shading normal: to the triangle's normal, and to the direction of the eye.
 const float OLX_LEAST_NORMAL_COSINE = 0.01, OLX_LEAST_VIEW_COSINE = 1e-3;
 vec3 olx_shown = vec3(0.0);

@@ -304,6 +304,58 @@ static void rays_learn_where_a_mirror_shows_a_lamp(void **state) {
   olx_scene_free(scene);
 }
 
+// Adds a floor and a wall of albedo 0.3 in the open, lit a million times as brightly as the room.
+static void add_bright_corner(olx_scene *scene) {
+  olx_material dark = olx_material_default();
+  dark.base_color = olx_splat(0.3f);
+  const uint32_t material = made_material(scene, &dark);
+  made_quad(scene, olx_v3(50.0f, 0.0f, 0.0f), olx_v3(0.0f, 0.0f, 4.0f), olx_v3(4.0f, 0.0f, 0.0f), material);
+  made_quad(scene, olx_v3(48.0f, 2.0f, 0.0f), olx_v3(0.0f, 4.0f, 0.0f), olx_v3(0.0f, 0.0f, 4.0f), material);
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .position = olx_v3(51.0f, 3.0f, 0.0f), .emission = olx_splat(1e6f)};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+}
+
+// Returns the indirect irradiance, as a mean over its walls, of a white room with a lamp of intensity 1, alone or beside the bright corner.
+static double light_of_a_white_room(bool alone) {
+  enum { WALL_POINTS = 4096 };
+  olx_scene *scene = made_scene();
+  olx_material white = olx_material_default();
+  white.base_color = olx_splat(0.8f);
+  made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &white));
+  const olx_light lamp = {.type = OLX_LIGHT_POINT, .position = olx_v3(0.2f, 0.3f, 0.1f), .emission = olx_splat(1.0f)};
+  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  if (!alone) add_bright_corner(scene);
+  scene = made_finish(scene);
+  const olx_vec3 probes[2] = {{0.3f, 0.1f, 0.2f}, {51.0f, 2.0f, 0.5f}};
+  const uint8_t flags[2] = {0};
+  olx_scene_light_settings settings = small_settings();
+  settings.map_size = 256; // light sampled more coarsely is biased
+  olx_scene_light *light;
+  assert_int_equal(olx_scene_light_create(scene, &settings, probes, flags, alone ? 1 : 2, &light), OLX_OK);
+  double sum = 0.0, area = 0.0;
+  for (uint32_t i = 0; i < WALL_POINTS; i++) {
+    const olx_vec3 direction = olx_sample_sphere(olx_stratified2(i, 3));
+    const olx_ray ray = {probes[0], direction, 0.0f, INFINITY};
+    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+    const olx_surface surface = olx_surface_at(scene, &hit, direction);
+    const double part = (double)(hit.t * hit.t / -olx_dot(direction, surface.geometric_normal));
+    sum += part * (double)olx_luminance(olx_scene_light_irradiance(light, &surface));
+    area += part;
+  }
+  olx_scene_light_free(light);
+  olx_scene_free(scene);
+  return sum / area;
+}
+
+// In a closed room of albedo 0.8 light is 5 times the direct light, 4 of them indirect.
+static void a_bright_place_does_not_end_the_bounces_of_a_dark_one(void **state) {
+  (void)state;
+  const double alone = light_of_a_white_room(true), beside = light_of_a_white_room(false);
+  const double expected = 4.0 * 4.0 * 3.141592653589793 / (6.0 * 2.0 * 2.0); // by the lamp's power over the walls' area
+  if (fabs(alone / expected - 1.0) > 0.01) fail_msg("%g W/m^2 of %g", alone, expected);
+  if (fabs(beside / alone - 1.0) > 0.005) fail_msg("%g W/m^2 beside a bright place, %g alone", beside, alone);
+}
+
 static const float plate_side = 0.1f, lamp_gap = 0.01f, lamp_height = 0.7f;
 
 // Makes a room of side 2 with a lamp without area, one centimetre below a plate of albedo 0.5, and a smooth metal.
@@ -780,6 +832,7 @@ int main(void) {
       cmocka_unit_test(noise_stays_below_its_bound_with_room_for_few_links),
       cmocka_unit_test(the_bound_is_met_beside_surfaces_that_no_probe_sees),
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
+      cmocka_unit_test(a_bright_place_does_not_end_the_bounces_of_a_dark_one),
       cmocka_unit_test(the_light_of_a_fixture_is_all_there),
       cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
       cmocka_unit_test(the_volume_has_the_light_of_a_fixture),

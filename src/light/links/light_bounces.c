@@ -54,10 +54,20 @@ static olx_result add_bounce(bounce *b, uint32_t threads) {
   return OLX_OK;
 }
 
-static double total(const olx_vec3 *light, uint32_t count) {
-  double sum = 0.0;
-  for (uint32_t i = 0; i < count; i++) sum += (double)olx_luminance(light[i]);
-  return sum;
+// Returns the share of its light that a surfel still lacks, as a mean over surfels: what further bounces bring if each
+// brings as much less than the one before as the last two did. Bright places thus do not decide for dark ones.
+static double lacking(const bounce *b, const olx_vec3 *irradiance) {
+  const olx_vec3 *last = b->kept[b->number % KEPT], *former = b->kept[(b->number - 1) % KEPT];
+  double now = 0.0, before = 0.0, count = 0.0;
+  for (uint32_t i = 0; i < b->surfel_count; i++) {
+    const double all = (double)olx_luminance(irradiance[i]);
+    if (!(all > 0.0)) continue;
+    now += (double)olx_luminance(last[i]) / all;
+    before += (double)olx_luminance(former[i]) / all;
+    count++;
+  }
+  if (!(now > 0.0)) return 0.0;
+  return b->number > 1 && now < before ? now / count * now / (before - now) : 1.0; // light before bounce 1 is direct
 }
 
 static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, const olx_bounce_keeper *keeper,
@@ -72,7 +82,7 @@ static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, const olx
       state->irradiance[i] = olx_add(state->irradiance[i], oldest[i]);
       state->passed_on[i] = olx_add(state->passed_on[i], previous[i]);
     }
-    if (total(oldest, b->surfel_count) < 0x1p-10 * total(state->irradiance, b->surfel_count)) break;
+    if (lacking(b, state->irradiance) < 0x1p-10) break;
     if (keeper && state->done < bounces) OLX_TRY(keeper->save(keeper->user, state));
   }
   return OLX_OK;

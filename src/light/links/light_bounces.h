@@ -31,7 +31,7 @@ typedef struct olx_bounce_keeper {
 } olx_bounce_keeper;
 
 // Computes the indirect irradiance of surfels in W/m^2, for `direct` irradiance from emitters and the sky, which is not
-// included. Stops before `bounces` when a further bounce would add less than 2^-10 of the light. `passed_on` receives
+// included. Stops before `bounces` when surfels lack less than 2^-10 of their light, on average. `passed_on` receives
 // the light that surfaces reflect to others: direct light and all bounces but the last. *done receives the number of
 // bounces. `keeper` may be NULL.
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,

@@ -80,8 +80,10 @@ static bool create_pipeline(gpu_device *d, gbuffer_pass *pass) {
 bool gbuffer_pass_create(gpu_device *d, VkDescriptorSetLayout set_layout, gbuffer_pass *pass) {
   *pass = (gbuffer_pass){.pipeline = VK_NULL_HANDLE};
   const VkPhysicalDeviceLimits *limits = &d->properties.limits;
-  if (limits->maxColorAttachments < FRAME_COLORS || limits->maxFragmentOutputAttachments < FRAME_COLORS) {
-    return gpu_fail(d, "the G-buffer needs %d color attachments, which this device has not", (int)FRAME_COLORS);
+  if (limits->maxColorAttachments < FRAME_COLORS || limits->maxFragmentOutputAttachments < FRAME_COLORS ||
+      limits->maxFragmentCombinedOutputResources < FRAME_COLORS + 1) {
+    return gpu_fail(d, "the G-buffer needs %d color attachments and a buffer, which this device has not",
+                    (int)FRAME_COLORS);
   }
   if (create_render_pass(d, pass) && scene_draw_layout(d, set_layout, &pass->layout) && create_pipeline(d, pass)) {
     return true;

@@ -319,11 +319,21 @@ static void count_bytes(gpu_scene *scene) {
   }
 }
 
+static bool check_ranges(gpu_device *d, const gpu_scene *scene) {
+  const gpu_buffer *const buffers[] = {&scene->vertices, &scene->rare, &scene->indices, &scene->materials};
+  const VkDeviceSize most = d->properties.limits.maxStorageBufferRange;
+  for (uint32_t i = 0; i < sizeof buffers / sizeof *buffers; i++) {
+    if (buffers[i]->bytes <= most) continue;
+    return gpu_fail(d, "the scene has more vertices or triangles than a storage buffer of this device holds");
+  }
+  return true;
+}
+
 bool gpu_scene_create(gpu_device *d, const olx_scene_content *content, gpu_scene *scene) {
   *scene = (gpu_scene){.triangle_count = content->triangle_count};
   if (upload_vertices(d, content, scene) && upload_rare(d, content, scene) && upload_indices(d, content, scene) &&
-      upload_materials(d, content, scene) && upload_textures(d, content, scene) && create_set_layout(d, scene) &&
-      create_sets(d, content, scene)) {
+      upload_materials(d, content, scene) && check_ranges(d, scene) && upload_textures(d, content, scene) &&
+      create_set_layout(d, scene) && create_sets(d, content, scene)) {
     count_bytes(scene);
     return true;
   }

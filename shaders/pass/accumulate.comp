@@ -125,6 +125,7 @@ void main() {
   ivec2 sampled = min(tracer, ivec2(size_of(job.size)) - 1);
   vec4 diffuse_sample = has_flag(OLX_DENOISE_DIFFUSE) ? imageLoad(diffuse_now, sampled) : vec4(vec3(0.0), -1.0);
   vec4 glossy_sample = has_flag(OLX_DENOISE_GLOSSY) ? imageLoad(glossy_now, sampled) : vec4(vec3(0.0), -1.0);
+  memoryBarrierImage();
   barrier();
   if (!inside) return;
   if (seen) {

@@ -111,6 +111,7 @@ olx_relit_link_turns olx_relit_take_links(olx_relit_schedule *s) {
                                       .count = most < left ? most : left,
                                       .ends = most >= left,
                                       .dark = dark,
+                                      .stale = w->stale,
                                       .shines = w->shining,
                                       .light_changes = s->light_changes};
   w->next = (uint32_t)(((uint64_t)w->next + turns.count) % all);
@@ -126,7 +127,7 @@ void olx_relit_links_followed(olx_relit_schedule *s, const olx_relit_link_turns 
   if (!turns->ends) return;
   const bool changed = w->change > (double)s->settings->sleep * w->sum;
   if (changed || turns->dark) s->now.solution++;
-  w->settled = !changed && !turns->dark && !w->stale;
+  w->settled = !changed && !turns->dark && !turns->stale;
   w->change = w->sum = 0.0;
 }
 

@@ -18,6 +18,7 @@ typedef struct olx_relit_link_turns {
   uint32_t first, count;  // 0 once light has settled
   bool ends;              // the sweep ends with them: all surfels have had their turn
   bool dark;              // some surfel still lacked samples of direct light
+  bool stale;             // some surfel lacked samples when the sweep began
   bool shines;            // highlights are recomputed
   uint32_t light_changes; // how often lights had been set
 } olx_relit_link_turns;

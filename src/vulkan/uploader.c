@@ -31,9 +31,9 @@ olx_result olx_uploader_begin(const olx_vulkan_context *c, olx_uploader *u) {
 static olx_result wait_for_slot(olx_uploader *u, uint32_t slot) {
   if (!u->pending[slot]) return OLX_OK;
   const olx_vulkan_context *c = u->context;
-  u->pending[slot] = false;
   OLX_TRY(olx_vulkan_check(c->vk.WaitForFences(c->host.device, 1, &u->fences[slot], VK_TRUE, UINT64_MAX),
                            "vkWaitForFences", WHAT));
+  u->pending[slot] = false; // only now, so that what a failed wait leaves in use is waited for again at the end
   return olx_vulkan_check(c->vk.ResetFences(c->host.device, 1, &u->fences[slot]), "vkResetFences", WHAT);
 }
 

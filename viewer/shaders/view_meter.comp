@@ -2,8 +2,8 @@
 // Meters the image: the mean logarithm of its luminance over a regular lattice of pixels. Black pixels, such as those
 // without a surface, do not count.
 
-#define SIDE 16
-#define PLACES 4 // pixels of a thread along each axis
+#define SIDE 8 // every device has workgroups of 128 threads
+#define PLACES 8 // pixels of a thread along each axis
 
 layout(local_size_x = SIDE, local_size_y = SIDE) in;
 

@@ -5,7 +5,7 @@
 #include "light/surfels/light_surfels.h"
 #include "scene/bvh.h"
 
-enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on before it is dropped
+enum { MOST_SPECULAR = 4 }; // surfaces that may pass a ray on; the next one counts as matte
 
 // What a ray is shaded with.
 typedef struct ray_shade {
@@ -54,13 +54,14 @@ static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *firs
     // A mirror reflects no light of points, but the rays that it reflects find their surfaces.
     shading.dark = s->lamps && !(passed && lobe.pdf <= 0.0f) ? s->lamps->radius : NULL;
     shading.least_alpha = s->lamps ? OLX_LEAST_LAMP_ALPHA : 0.0f;
-    const float share = shading.has_specular ? shading.specular_share : 0.0f;
+    const bool last = passed == most;
+    const float share = shading.has_specular && !last ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(s->sampler) >= share)) {
-      const olx_vec3 reflectance = olx_scale(shading.diffuse, 1.0f / (1.0f - share));
+      const olx_vec3 reflectance =
+          olx_scale(last ? olx_shading_albedo(&shading) : shading.diffuse, 1.0f / (1.0f - share));
       const olx_vec3 light_back = diffuse_light(s, indirect, &hit, &surface, reflectance, shading.dark);
       return olx_add(sum, olx_mul(throughput, light_back));
     }
-    if (passed == most) break;
     indirect *= further;
     throughput = olx_scale(throughput, 1.0f / share);
     sum = olx_add(sum, olx_mul(throughput, specular_light(s, &shading, passed + 2 <= bounces)));

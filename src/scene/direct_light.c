@@ -36,6 +36,10 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   return s;
 }
 
+olx_vec3 olx_shading_albedo(const olx_shading *s) {
+  return olx_add(s->diffuse, olx_bsdf_specular_albedo(&s->surface->bsdf, s->view.z));
+}
+
 static float power_heuristic(float mine, float other) {
   const float ratio = other / mine; // divided first, because the squares could overflow
   return 1.0f / (1.0f + ratio * ratio);

@@ -24,6 +24,8 @@ typedef struct olx_shading {
 
 // Prepares a surface for shading. `direction` is the unit direction of the ray that found the surface.
 olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction);
+// Returns the reflectance of both lobes in uniform light.
+olx_vec3 olx_shading_albedo(const olx_shading *shading);
 // Returns a direction in the frame of the surface, whose normal is +z.
 olx_vec3 olx_shading_local(const olx_shading *shading, olx_vec3 world);
 

@@ -164,7 +164,7 @@ static bool end_way(const olx_ray_caster *c, way *w, const olx_surface *surface,
 }
 
 // Follows a path from a surface until it ends at a surfel, at the sky, or brings nothing. At a surface with both lobes
-// it chooses one at random.
+// it chooses one at random. The last surface that it may reach counts as matte, so that no light is lost there.
 static void follow(const olx_ray_caster *c, way *w, olx_ray_end *end, uint64_t *rays) {
   const olx_scene *scene = c->surfels->scene;
   while (w->chain < OLX_CHAIN_MOST) {
@@ -183,9 +183,11 @@ static void follow(const olx_ray_caster *c, way *w, olx_ray_end *end, uint64_t *
     olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     shading.dark = dark_of(c, w);
     shading.least_alpha = OLX_LEAST_LAMP_ALPHA;
-    const float share = shading.has_specular ? shading.specular_share : 0.0f;
+    const bool last = w->chain + 1 == OLX_CHAIN_MOST;
+    const float share = shading.has_specular && !last ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(&w->sampler) >= share)) {
-      const olx_vec3 weight = olx_scale(olx_mul(w->throughput, shading.diffuse), 1.0f / (1.0f - share));
+      const olx_vec3 reflectance = last ? olx_shading_albedo(&shading) : shading.diffuse,
+                     weight = olx_scale(olx_mul(w->throughput, reflectance), 1.0f / (1.0f - share));
       if (end_way(c, w, &surface, weight, end, rays) || !pass_diffuse(c, w, &surface, weight, end, rays)) return;
     } else if (!pass_specular(c, w, &shading, share, end, rays)) {
       return;

@@ -239,6 +239,15 @@ static void test_dim_lobes_take_irradiance_in_place_of_rays(void **state) {
   frame = render_frames(f, &settings, 1, &stats);
   assert_true(stats.field_rays > 0 && stats.field_rays < FRAME_PIXELS / 2);
   olx_image_free(&frame);
+  // Irradiance leaves out emitters, so that no lobe is dim where rays find them.
+  settings.sample.emitters = true;
+  frame = render_frames(f, &settings, 1, NULL);
+  settings.dim_lobe = 0.0f;
+  still = render_frames(f, &settings, 1, NULL);
+  assert_same_layer(&frame, &still, OLX_LAYER_INDIRECT_GLOSSY);
+  assert_same_layer(&frame, &still, OLX_LAYER_BEAUTY);
+  olx_image_free(&frame);
+  olx_image_free(&still);
 }
 
 static void test_traced_emitters_replace_their_direct_light(void **state) {

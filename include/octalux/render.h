@@ -117,7 +117,8 @@ typedef struct olx_render_settings {
   uint32_t seed;             // a second seed gives other samples, so that two images have independent noise; default 0
   float dim_lobe;            // field: rough specular lobes that reflect less than this share, 0 to 1, towards the eye
                              // are not traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in
-                             // fields without probe light, else that of irradiance probes; default 0 (section 6)
+                             // fields without probe light, else that of irradiance probes; default 0 (section 6).
+                             // With sample.emitters no lobe is dim: its rays find emitters, which irradiance leaves out
   bool centered;             // all camera samples of a pixel go through its centre
   olx_denoise_settings denoise; // for olx_render_frames
   bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR

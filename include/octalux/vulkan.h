@@ -194,7 +194,7 @@ typedef struct olx_vulkan_settings {
   uint32_t seed;              // selects the sequence of every pixel; default 0
   bool irradiance_probes;     // irradiance from irradiance probes alone, in a field with probe light; default false
   float dim_lobe; // rough specular lobes that reflect less than this share, 0 to 1, towards the eye are not traced but
-                  // take irradiance; default 0 (section 6)
+                  // take irradiance; default 0 (section 6). With sample.emitters no lobe is dim
   olx_vulkan_denoise denoise;
 } olx_vulkan_settings;
 

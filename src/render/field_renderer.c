@@ -153,7 +153,9 @@ olx_vec3 olx_field_irradiance(const olx_render_context *context, const olx_ray_h
 }
 
 bool olx_field_lobe_is_dim(const olx_render_context *context, const olx_shading *shading) {
-  return olx_lobe_is_dim(&shading->surface->bsdf, shading->view.z, context->settings->dim_lobe);
+  const olx_render_settings *settings = context->settings;
+  if (settings->sample.emitters) return false; // irradiance is without emitters, which the lobe's rays find
+  return olx_lobe_is_dim(&shading->surface->bsdf, shading->view.z, settings->dim_lobe);
 }
 
 static void light_directly(shaded_tile *tile) {

@@ -134,7 +134,7 @@ static void record_filters(const olx_vulkan_frame *f, VkCommandBuffer commands, 
         .radius_pixels = filter->radius_pixels,
         .stride_pixels = filter->stride_pixels,
         .reach = filter->reach,
-        .dim_lobe = s->dim_lobe,
+        .dim_lobe = olx_vulkan_dim_lobe(s),
     };
     const olx_gpu_denoiser *d = &f->denoiser;
     record(f, commands, d->filter, d->filter_layout, d->filter_sets[lobe][s->denoise.frame & 1u], sizeof constants,

@@ -15,7 +15,7 @@ const olx_pass_code olx_dim_pass = {"dim", DIM_WORDS, sizeof DIM_WORDS};
 olx_result olx_vulkan_record_glossy(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                     const olx_vulkan_view *view, const olx_vulkan_settings *settings) {
   OLX_TRY(olx_vulkan_record_rays(frame, OLX_PASS_TRACE, OLX_VULKAN_LOBE_GLOSSY, commands, view, settings));
-  if (!(settings->dim_lobe > 0.0f)) return OLX_OK;
+  if (!(olx_vulkan_dim_lobe(settings) > 0.0f)) return OLX_OK;
   const bool denoised = settings->denoise.lobes & OLX_VULKAN_LOBE_GLOSSY;
   return olx_vulkan_record_pass(frame, OLX_PASS_DIM, commands, view, settings, denoised ? OLX_FRAME_SAMPLE : 0u);
 }

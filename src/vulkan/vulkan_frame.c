@@ -398,7 +398,7 @@ olx_frame_constants olx_gpu_frame_constants(const olx_vulkan_frame *f, const olx
       .max_probes = s->sample.max_probes,
       .glossy_samples = s->glossy_samples,
       .sample_index = flags & OLX_TURN_SPARSE ? olx_ray_turn_number(2, s->sample_index) : s->sample_index,
-      .dim_lobe = s->dim_lobe,
+      .dim_lobe = olx_vulkan_dim_lobe(s),
       .seed = s->seed,
       .diffuse_samples = s->diffuse_samples,
       .surface_tolerance = s->sample.surface_tolerance,

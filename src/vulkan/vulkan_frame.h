@@ -96,6 +96,12 @@ olx_frame_constants olx_gpu_frame_constants(const olx_vulkan_frame *frame, const
                                       const olx_vulkan_settings *settings, uint32_t flags);
 olx_result olx_vulkan_record_pass(const olx_vulkan_frame *frame, olx_pass pass, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t flags);
+// Returns the reflectance below which lobes are dim; 0: none is, as where rays find emitters, which irradiance leaves
+// out.
+static inline float olx_vulkan_dim_lobe(const olx_vulkan_settings *settings) {
+  return settings->sample.emitters ? 0.0f : settings->dim_lobe;
+}
+
 // Records a pass that traces rays of a lobe, and stores their samples for the denoiser if the settings say so.
 olx_result olx_vulkan_record_rays(const olx_vulkan_frame *frame, olx_pass pass, uint32_t lobe, VkCommandBuffer commands,
                                   const olx_vulkan_view *view, const olx_vulkan_settings *settings);

@@ -42,7 +42,7 @@ static olx_result build_at_zero(const char *name, olx_scene *scene) {
 
 // Scales the light of points and spots, so that a scaled scene is as bright as before.
 static void place_light(const olx_affine *transform, float scale, olx_light *light) {
-  light->direction = olx_normalize(olx_affine_vector(transform, light->direction));
+  if (light->type != OLX_LIGHT_POINT) light->direction = olx_normalize(olx_affine_vector(transform, light->direction));
   if (light->type == OLX_LIGHT_SUN) return;
   light->position = olx_affine_point(transform, light->position);
   light->emission = olx_scale(light->emission, scale * scale);

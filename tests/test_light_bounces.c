@@ -99,7 +99,7 @@ static void solving_goes_on_after_any_bounce(void **state) {
   uint32_t done, bounces;
   make_ring(&whole);
   assert_int_equal(solve(&whole, NULL, &bounces), OLX_OK);
-  assert_in_range(bounces, OLX_BOUNCES_KEPT + 2, BOUNCES - 1); // ends when a bounce adds less than a thousandth
+  assert_in_range(bounces, OLX_BOUNCES_KEPT + 2, BOUNCES - 1); // ends when less than a thousandth is missing
   for (uint32_t at = 1; at < bounces; at++) {
     keeper k = {.at = at};
     make_ring(&parted);

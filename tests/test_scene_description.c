@@ -168,13 +168,21 @@ static void materials_are_replaced_by_name_over_all(void **state) {
   olx_scene_free(scene);
 }
 
-static void replaced_color_keeps_the_mask(void **state) {
-  char *gltf = scene_files_gltf("[{\"name\": \"leaf\", \"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": "
-                                "{\"baseColorTexture\": {\"index\": 0}}}]",
-                                0, "[{\"mesh\": 0}]",
-                                ", \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"four.tga\"}]", false);
-  scene_folder_write_text(*state, "leaf.gltf", gltf);
+// Writes a square with a material whose texture 0 is that image.
+static void write_textured(const scene_folder *folder, const char *name, const char *material, const char *image) {
+  char materials[256], more[128];
+  snprintf(materials, sizeof materials, "[%s]", material);
+  snprintf(more, sizeof more, ", \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"%s\"}]", image);
+  char *gltf = scene_files_gltf(materials, 0, "[{\"mesh\": 0}]", more, false);
+  scene_folder_write_text(folder, name, gltf);
   free(gltf);
+}
+
+static void replaced_color_keeps_the_mask(void **state) {
+  write_textured(*state, "leaf.gltf",
+                 "{\"name\": \"leaf\", \"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": "
+                 "{\"baseColorTexture\": {\"index\": 0}}}",
+                 "four.tga");
   olx_scene *scene =
       load(*state, "{\"model\": \"leaf.gltf\", \"materials\": {\"leaf\": {\"base_color\": [0.1, 0.5, 0.1]}}}");
   const olx_material *m = &scene->materials[0];
@@ -190,12 +198,9 @@ static void a_texture_keeps_what_is_not_replaced(void **state) {
   const uint8_t texel[4] = {10, 20, 30, 255};
   uint8_t tga[18 + 4] = {0, 0, 2, [12] = 1, [14] = 1, [16] = 32, [17] = 8 | 32, 30, 20, 10, 255};
   scene_folder_write(*state, "rough.tga", tga, sizeof tga);
-  char *gltf = scene_files_gltf("[{\"name\": \"wood\", \"pbrMetallicRoughness\": "
-                                "{\"metallicRoughnessTexture\": {\"index\": 0}}}]",
-                                0, "[{\"mesh\": 0}]",
-                                ", \"textures\": [{\"source\": 0}], \"images\": [{\"uri\": \"rough.tga\"}]", false);
-  scene_folder_write_text(*state, "wood.gltf", gltf);
-  free(gltf);
+  write_textured(*state, "wood.gltf",
+                 "{\"name\": \"wood\", \"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {\"index\": 0}}}",
+                 "rough.tga");
   const struct {
     const char *change;
     uint8_t green, blue;

@@ -1,22 +1,15 @@
 // Tests the solved light of scenes against path tracing, against the known light of sealed rooms, and against solutions
 // with other threads and other random numbers.
-#include "bake/volume/volume_light.h"
-#include "core/harmonics.h"
-#include "field/harmonic_data.h"
 #include "light/links/gathers.h"
 #include "light/links/links.h"
 #include "light/path.h"
-#include "light/scene_light.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
 #include "scene/scene_build.h"
+#include "solved_rooms.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { POINTS = 128, MOST_PROBES = 128 };
 
@@ -287,17 +280,12 @@ static olx_scene *mirror_room(void) {
 // Few rays find the lamp in the mirror, and these cause most of the noise; later rays are guided to where it was found.
 static void rays_learn_where_a_mirror_shows_a_lamp(void **state) {
   (void)state;
+  const float noise = 0.02f;
   olx_scene *scene = mirror_room();
-  const olx_vec3 probe = {0.3f, 0.1f, 0.2f};
-  const uint8_t flag = 0;
-  olx_scene_light_settings settings = small_settings();
-  settings.map_size = 64;
-  settings.noise = 0.02f;
-  olx_scene_light *light;
-  assert_int_equal(olx_scene_light_create(scene, &settings, &probe, &flag, 1, &light), OLX_OK);
+  olx_scene_light *light = solve_room(scene, noise);
   const olx_scene_light_report report = olx_scene_light_describe(light);
   print_message("noise %.4f with %.2f million rays\n", report.noise, (double)report.rays * 1e-6);
-  assert_true(report.noise <= (double)settings.noise);
+  assert_true(report.noise <= (double)noise);
   // When guiding ignores light from mirrors, the same noise takes 6.65 million rays.
   assert_true(report.rays < 6000000);
   olx_scene_light_free(light);
@@ -315,7 +303,8 @@ static void add_bright_corner(olx_scene *scene) {
   assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
 }
 
-// Returns the indirect irradiance, as a mean over its walls, of a white room with a lamp of intensity 1, alone or beside the bright corner.
+// Returns the indirect irradiance, as a mean over its walls, of a white room with a lamp of intensity 1, alone or beside
+// the bright corner.
 static double light_of_a_white_room(bool alone) {
   enum { WALL_POINTS = 4096 };
   olx_scene *scene = made_scene();
@@ -356,110 +345,6 @@ static void a_bright_place_does_not_end_the_bounces_of_a_dark_one(void **state) 
   if (fabs(beside / alone - 1.0) > 0.005) fail_msg("%g W/m^2 beside a bright place, %g alone", beside, alone);
 }
 
-static const float plate_side = 0.1f, lamp_gap = 0.01f, lamp_height = 0.7f;
-
-// Makes a room of side 2 with a lamp without area, one centimetre below a plate of albedo 0.5, and a smooth metal.
-static olx_scene *fixture_room(float wall_albedo) {
-  olx_scene *scene = made_scene();
-  olx_material wall = olx_material_default(), plate = wall, metal = wall;
-  wall.base_color = olx_splat(wall_albedo);
-  plate.base_color = olx_splat(0.5f);
-  metal.base_color = olx_splat(wall_albedo);
-  metal.metallic = metal.specular_weight = 1.0f;
-  metal.roughness = 0.1f;
-  made_room(scene, olx_splat(0.0f), 2.0f, made_material(scene, &wall));
-  made_quad(scene, olx_v3(0.0f, lamp_height + lamp_gap, 0.0f), olx_v3(plate_side, 0.0f, 0.0f),
-            olx_v3(0.0f, 0.0f, plate_side), made_material(scene, &plate));
-  made_quad(scene, olx_v3(-0.99f, 0.0f, 0.0f), olx_v3(0.0f, 1.0f, 0.0f), olx_v3(0.0f, 0.0f, 1.0f),
-            made_material(scene, &metal));
-  const olx_light lamp = {
-      .type = OLX_LIGHT_POINT, .position = olx_v3(0.0f, lamp_height, 0.0f), .emission = olx_splat(1.0f)};
-  assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
-  return made_finish(scene);
-}
-
-static olx_scene_light *solve_fixture(const olx_scene *scene, float noise) {
-  const olx_vec3 probe = {0.3f, 0.1f, 0.2f};
-  const uint8_t flag = 0;
-  olx_scene_light_settings settings = small_settings();
-  settings.map_size = 64;
-  settings.noise = noise;
-  olx_scene_light *light;
-  assert_int_equal(olx_scene_light_create(scene, &settings, &probe, &flag, 1, &light), OLX_OK);
-  return light;
-}
-
-// Returns the power that the plate catches, for an intensity of 1: the solid angle of the plate.
-static float caught_by_plate(void) {
-  const float half = 0.5f * plate_side;
-  return 4.0f * atanf(half * half / (lamp_gap * sqrtf(2.0f * half * half + lamp_gap * lamp_gap)));
-}
-
-// The plate reflects half of the light that it catches, to a black room like a small lamp of that power.
-static void the_light_of_a_fixture_is_all_there(void **state) {
-  (void)state;
-  olx_scene *scene = fixture_room(0.0f);
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
-  const float height = 1.0f + lamp_height + lamp_gap, caught = caught_by_plate();
-  double found = 0.0, wanted = 0.0;
-  for (uint32_t i = 0; i < 16; i++) {
-    const olx_vec2 uv = olx_hammersley(i, 16);
-    const olx_vec3 from = {uv.x - 0.5f, 0.0f, uv.y - 0.5f};
-    const olx_ray ray = {from, olx_v3(0.0f, -1.0f, 0.0f), 0.0f, INFINITY};
-    const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
-    const olx_surface floor = olx_surface_at(scene, &hit, ray.direction);
-    const float squared = from.x * from.x + from.z * from.z + height * height;
-    found += (double)olx_luminance(olx_scene_light_irradiance(light, &floor));
-    wanted += (double)(0.5f * caught / OLX_PI * height * height / (squared * squared));
-  }
-  print_message("light of the fixture: %.4f of what it reflects\n", found / wanted);
-  assert_true(fabs(found / wanted - 1.0) < 0.03);
-  olx_scene_light_free(light);
-  olx_scene_free(scene);
-}
-
-// Rays that meet the plate beside the lamp, or the lamp's image in the metal, would bring thousands of times the mean.
-static void a_lamp_in_its_fixture_costs_few_rays(void **state) {
-  (void)state;
-  olx_scene *scene = fixture_room(0.5f);
-  olx_scene_light *light = solve_fixture(scene, 0.04f);
-  const olx_scene_light_report report = olx_scene_light_describe(light);
-  print_message("noise %.4f with %.2f million rays\n", report.noise, (double)report.rays * 1e-6);
-  assert_true(report.noise <= 0.04);
-  assert_true(report.rays < 300000);
-  olx_scene_light_free(light);
-  olx_scene_free(scene);
-}
-
-// A probe of the volume in a black room sees the lit plate alone, which is so bright beside the lamp that the rays that
-// happen to end there would decide the light.
-static void the_volume_has_the_light_of_a_fixture(void **state) {
-  (void)state;
-  enum { PROBES = 16 };
-  olx_scene *scene = fixture_room(0.0f);
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
-  olx_volume_light volume = {.scene = scene, .light = light, .rays = 256};
-  olx_vec3 places[PROBES];
-  uint16_t halves[PROBES * OLX_VOLUME_HALVES];
-  for (uint32_t i = 0; i < PROBES; i++) places[i] = olx_v3(0.3f, -0.2f - 0.04f * (float)i, 0.2f);
-  assert_int_equal(olx_volume_light_make(&volume, places, PROBES, halves), OLX_OK);
-  double worst = 0.0;
-  for (uint32_t i = 0; i < PROBES; i++) {
-    const olx_vec3 way = olx_sub(olx_v3(0.0f, lamp_height + lamp_gap, 0.0f), places[i]);
-    float values[OLX_HARMONICS_MOST];
-    olx_harmonics_at(olx_normalize(way), values);
-    const float found = olx_harmonics_irradiance(halves + OLX_VOLUME_HALVES * i, OLX_VOLUME_BANDS, values).x;
-    const float squared = olx_dot(way, way), cosine = way.y / sqrtf(squared);
-    // Three bands of harmonics make the light of one direction 17/16 as bright as it is.
-    const float wanted = 17.0f / 16.0f * 0.5f * caught_by_plate() / OLX_PI * cosine / squared;
-    worst = fmax(worst, fabs((double)(found / wanted) - 1.0));
-  }
-  print_message("light of the fixture in the volume: off by %.4f at most\n", worst);
-  assert_true(worst < 0.1);
-  olx_scene_light_free(light);
-  olx_scene_free(scene);
-}
-
 // Makes a room of side 3 with a lamp, a table, and above it a small screen in a frame. On the screen surfels are as
 // sparse as its distance to the walls allows, although light changes along the frame and towards the table.
 static olx_scene *screen_room(float height, float width) {
@@ -489,7 +374,7 @@ static void few_surfels_are_not_trusted_where_their_light_differs(void **state) 
   enum { SCREEN_POINTS = 128, PATHS = 1024 };
   const float height = 0.3f, width = 0.7f;
   olx_scene *scene = screen_room(height, width);
-  olx_scene_light *light = solve_fixture(scene, 0.03f);
+  olx_scene_light *light = solve_room(scene, 0.03f);
   uint32_t wrong = 0;
   for (uint32_t i = 0; i < SCREEN_POINTS; i++) {
     const olx_vec2 uv = olx_hammersley(i, SCREEN_POINTS);
@@ -597,7 +482,7 @@ static void a_lamp_below_the_sky_loses_no_light(void **state) {
   (void)state;
   enum { WALL_POINTS = 64, PATHS = 1024 };
   olx_scene *scene = room_below_the_sky();
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_scene_light *light = solve_room(scene, 0.02f);
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < WALL_POINTS; i++) {
     const olx_surface wall = wall_at(scene, 1.9f, 3.8f, i, WALL_POINTS);
@@ -658,7 +543,7 @@ static void count_links(const olx_scene_light_parts *parts, bool uneven, uint32_
 static void no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part(void **state) {
   (void)state;
   olx_scene *scene = room_with_a_hole();
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_scene_light *light = solve_room(scene, 0.02f);
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   uint32_t edge = 0, cells[2] = {0}, all[2] = {0}, lit[2] = {0};
   for (uint32_t i = 0; i < parts.surfels->count; i++) {
@@ -728,7 +613,7 @@ static void lines_of_sunlight_are_neither_lost_nor_doubled(void **state) {
   sunlight sum = {0};
   for (float tilt = -0.6f; tilt < 0.7f; tilt += 0.2f) {
     olx_scene *scene = room_below_slats(olx_v3(0.1f, -1, tilt));
-    olx_scene_light *light = solve_fixture(scene, 0.5f);
+    olx_scene_light *light = solve_room(scene, 0.5f);
     add_sunlight(scene, light, &sum);
     olx_scene_light_free(light);
     olx_scene_free(scene);
@@ -743,7 +628,7 @@ static void gathers_beside_a_dark_surfel_keep_their_light(void **state) {
   (void)state;
   enum { PLACES = 16, PATHS = 1024, SEEDS = 16 };
   olx_scene *scene = room_below_the_sky();
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_scene_light *light = solve_room(scene, 0.02f);
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   olx_vec3 *all = calloc(parts.surfels->count, sizeof *all);
   for (uint32_t i = 0; i < parts.surfels->count; i++) all[i] = olx_add(parts.direct[i], parts.irradiance[i]);
@@ -788,7 +673,7 @@ static room_light light_below_a_pane(float alpha) {
   enum { ROOM_POINTS = 64, PATHS = 256, FLOOR_POINTS = 4096 };
   room_light sum = {0};
   olx_scene *scene = room_below_a_pane(alpha);
-  olx_scene_light *light = solve_fixture(scene, 0.02f);
+  olx_scene_light *light = solve_room(scene, 0.02f);
   uint64_t rays = 0;
   for (uint32_t i = 0; i < ROOM_POINTS; i++) {
     const olx_surface wall = wall_at(scene, 1.8f, 1.8f, i, ROOM_POINTS);
@@ -833,9 +718,6 @@ int main(void) {
       cmocka_unit_test(the_bound_is_met_beside_surfaces_that_no_probe_sees),
       cmocka_unit_test(rays_learn_where_a_mirror_shows_a_lamp),
       cmocka_unit_test(a_bright_place_does_not_end_the_bounces_of_a_dark_one),
-      cmocka_unit_test(the_light_of_a_fixture_is_all_there),
-      cmocka_unit_test(a_lamp_in_its_fixture_costs_few_rays),
-      cmocka_unit_test(the_volume_has_the_light_of_a_fixture),
       cmocka_unit_test(few_surfels_are_not_trusted_where_their_light_differs),
       cmocka_unit_test(records_follow_an_edge_of_light),
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),

@@ -28,7 +28,8 @@ const option bake_quality_options[] = {
     {"--bounces", OPTION_COUNT, offsetof(bake_options, settings.bounces), "N",
      "most bounces after direct light; they end when they bring little light; default 32", 0, OLX_BOUNCES_MOST},
     {"--volume-cells", OPTION_COUNT, offsetof(bake_options, settings.volume_cells), "N",
-     "greatest number of smallest cells of the irradiance volume along the space; 0: no volume; default 32", 0,
+     "greatest number of smallest cells of the irradiance volume along the space, and at most one for 16 texels of a "
+     "map's side; 0: no volume; default 32", 0,
      OLX_VOLUME_CELLS_MOST},
     {"--uncompressed", OPTION_FLAG, offsetof(bake_options, settings.uncompressed), NULL,
      "geometry, light and material as texels, not as 4 x 4 blocks"},

@@ -17,7 +17,7 @@ typedef enum olx_tracer {
   OLX_TRACER_TEXEL = 0, // visits every texel on the ray's path: slow, the reference
   // These give the same answers as OLX_TRACER_TEXEL to the last bit.
   OLX_TRACER_TWO_LEVEL = 1, // McGuire et al. sections 4.1, 4.2: skips blocks of 16 x 16 texels by their least distance
-  OLX_TRACER_HIZ = 2        // Wang section 4.3: marches a pyramid of smallest and largest distances; the fastest
+  OLX_TRACER_HIZ = 2        // Wang section 4.3: marches a pyramid of smallest distances; the fastest
 } olx_tracer;
 
 typedef enum olx_visibility {

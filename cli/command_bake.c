@@ -221,8 +221,8 @@ static int report_failure(olx_result result, const olx_bake_settings *settings, 
   const char *folder = settings->work.folder;
   if (result == OLX_ERROR_CANCELLED && folder) {
     return failure("bake",
-                   "%s: interrupted, nothing written; %s holds what is done, and the same command goes on from it",
-                   settings->work.parts ? folder : path, folder);
+                   "%s: interrupted, nothing written; %s holds what is done, and the same command%s goes on from it",
+                   settings->work.parts ? folder : path, folder, settings->work.fresh ? " without --fresh" : "");
   }
   if (result == OLX_ERROR_CANCELLED) return failure("bake", "%s: interrupted, nothing written", path);
   const int code = library_failure("bake");
@@ -257,7 +257,7 @@ static int bake_scene(const olx_scene *scene, const bake_command *c, const char 
   const olx_bake_settings *settings = &c->given.settings;
   progress_line line;
   progress_begin(&line, "bake", c->progress == 1);
-  if (c->units.json) line.shown = false; // lines for units replace the progress line
+  if (c->units.json && settings->work.folder) line.shown = false; // lines for units replace the progress line
   if (line.shown) announce_work(scene, settings, path);
   const olx_progress progress = progress_of(&line);
   olx_bake_stats stats;
@@ -333,7 +333,7 @@ static const option run_options[] = {
     {"--dry-run", OPTION_FLAG, offsetof(bake_command, dry_run), NULL,
      "bake nothing: print size, memory and an estimate of the time"},
     {"--progress", OPTION_FLAG_WORD, offsetof(bake_command, progress), "json",
-     "show progress even without a terminal; json: a line for each unit"},
+     "show progress even without a terminal; json: a line for each unit of a work folder"},
     {0},
 };
 

@@ -247,7 +247,8 @@ static olx_result verify(const char *path, uint64_t *bytes) {
 int command_verify(int argc, char **argv) {
   bool json = false;
   command_line line = {.name = "verify",
-                       .summary = "Read every byte of a field: structure, checksums, and values that cannot be.",
+                       .summary = "Read every byte of a field: structure, checksums, and, unless it is packed, values "
+                                  "that cannot be.",
                        .example = "octalux verify room.olx",
                        .arguments = {"FIELD"},
                        .tables = {{json_option, &json}}};
@@ -256,7 +257,8 @@ int command_verify(int argc, char **argv) {
   uint64_t bytes = 0;
   if (verify(line.given[0], &bytes) != OLX_OK) return library_failure("verify");
   if (!json) {
-    printf("%s: sound, %s\n", line.given[0], text_of_bytes(bytes).text);
+    const char *found = olx_is_packed_field(line.given[0]) ? "packed soundly, " : "sound, ";
+    printf("%s: %s%s\n", line.given[0], found, text_of_bytes(bytes).text);
     return EXIT_DONE;
   }
   cJSON *object = cJSON_CreateObject();

@@ -61,20 +61,24 @@ static bool can_be_private(const char *folder) {
   return private;
 }
 
-// Returns whether a bake uses a work folder: when it is long and can be kept, or when its folder already exists.
+// Returns whether a bake uses a work folder: when it is long, or its units are to be told of, and it can be kept, or when
+// its folder already exists.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
-                         const char *folder) {
+                         const work_line *line) {
   olx_bake_sizes sizes;
-  if (access(folder, F_OK) == 0) return true;
-  if (olx_bake_measure(scene, settings, output, &sizes) != OLX_OK || sizes.rays <= LONG_BAKE_RAYS) return false;
-  return sizes.work_bytes > 0 && can_be_private(folder);
+  if (access(line->folder, F_OK) == 0) return true;
+  if (olx_bake_measure(scene, settings, output, &sizes) != OLX_OK) return false;
+  if (sizes.rays <= LONG_BAKE_RAYS && !line->json) return false;
+  return sizes.work_bytes > 0 && can_be_private(line->folder);
 }
 
-static int check_given(const work_options *given, const olx_bake_settings *settings) {
+static int check_given(const work_options *given, const olx_bake_settings *settings, const work_line *line) {
   if (given->none &&
       (given->folder || given->part || given->fresh || given->keep || given->explain || given->limit > 0.0f)) {
     return usage_error("bake", "--no-work excludes whatever else is said of the work folder");
   }
+  if (given->none && line->json)
+    return usage_error("bake", "--progress=json tells of units of a work folder, which --no-work excludes");
   if (!given->part) return EXIT_DONE;
   if (!given->folder) return usage_error("bake", "--part needs --work DIR, which all parts share");
   if (given->fresh)
@@ -94,14 +98,14 @@ int resolve_work_options(const olx_scene *scene, const work_options *given, cons
                          olx_bake_settings *settings, work_line *line) {
   olx_bake_work *work = &settings->work;
   if (given->part && !parse_part(given->part, work)) work->parts = 0;
-  const int code = check_given(given, settings);
+  const int code = check_given(given, settings, line);
   if (code != EXIT_DONE || given->none) return code;
   const int length = snprintf(line->folder, sizeof line->folder, "%s%s", given->folder ? given->folder : output,
                               given->folder ? "" : ".work");
   if (length >= (int)sizeof line->folder) return failure("bake", "the name of the work folder is too long");
   const bool asked =
       given->driven || given->folder || given->keep || given->fresh || given->explain || given->limit > 0.0f;
-  if (!asked && !wants_folder(scene, settings, output, line->folder)) return EXIT_DONE;
+  if (!asked && !wants_folder(scene, settings, output, line)) return EXIT_DONE;
   work->folder = line->folder;
   work->fresh = given->fresh;
   work->keep = given->keep;

@@ -34,6 +34,8 @@ grep -q '^a.olxz: a packed field, .*; `octalux unpack a.olxz` makes the field of
 grep -q "^  RADI " stdout.txt || fail "info lists chunks"
 expect_json 'o["packed"] and o["file_bytes"] < o["field_bytes"] and sum(c["field_bytes"] for c in o["chunks"]) < o["field_bytes"] and o["chunks"][0]["type"] == "INFO"' info a.olxz
 expect_json 'o["sound"] and o["file_bytes"] == '"$(stat -c %s a.olxz)" verify a.olxz
+expect 0 verify a.olxz
+grep -q '^a.olxz: packed soundly, ' stdout.txt || fail "verify says what was checked"
 unpack_it='a.olxz: a packed field; `octalux unpack` makes a field of it again'
 expect_failure "$unpack_it" render builtin:cornell --field a.olxz -o a.png
 expect_failure "$unpack_it" audit builtin:cornell --field a.olxz

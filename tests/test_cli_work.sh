@@ -122,7 +122,9 @@ interrupted() {
   kill -INT $child 2>/dev/null
   wait $child || code=$?
   [ "$code" = 130 ] || fail "interrupted: exit code $code"
-  grep -q "old.olx: interrupted, nothing written; $kept holds what is done, and the same command goes on from it" stderr.txt ||
+  local again='the same command'
+  [[ " $* " = *" --fresh "* ]] && again='the same command without --fresh'
+  grep -q "old.olx: interrupted, nothing written; $kept holds what is done, and $again goes on from it" stderr.txt ||
     fail "no word of what is kept"
   [ -e "$kept/plan-0-0.unit" ] || fail "nothing is kept"
 }
@@ -136,6 +138,27 @@ complains 1 "old.olx.work: the work folder is of another bake" bake "${scene[@]}
 expect 0 bake "${scene[@]}" -o new.olx --work old.olx.work --fresh
 [ -e old.olx.work ] && fail "the folder stayed"
 cmp -s new.olx whole.olx || fail "another field after another bake"
+
+interrupted fresh.work "${long[@]}" -o old.olx --work fresh.work --fresh
+
+# Lines for units need a work folder, which even a short bake then has while it runs.
+expect 0 bake "${scene[@]}" -o told.olx --progress=json
+grep -q '^{"stage":"probe"' stderr.txt || fail "no lines for units"
+[ -e told.olx.work ] && fail "the folder stayed"
+cmp -s told.olx whole.olx || fail "another field with lines for units"
+expect_usage "--progress=json tells of units" bake "${scene[@]}" -o old.olx --no-work --progress=json
+
+# An edit may change the bounds of the scene. With probes that are given no setting follows the bounds.
+printf 'v %s\n' '0 0 0' '2 0 0' '0 0 2' '2 0 2' >floor.obj
+printf 'f 1 3 2\nf 2 3 4\n' >>floor.obj
+printf '{"model": "floor.obj", "lights": [{"type": "sun", "direction": [0, -1, 0], "irradiance": [1, 1, 1]}]}' >floor.json
+printf '{"probes": [{"position": [1, 1, 1]}]}' >above.json
+edit=(floor.json --probes above.json --radiance-size 16 --noise 0.3 --work edited --keep-work)
+expect 0 bake "${edit[@]}" -o edited.olx
+printf 'v 3 0 3\nf 2 4 5\n' >>floor.obj
+expect 0 bake "${edit[@]}" -o edited.olx
+expect 0 bake "${edit[@]:0:7}" -o fresh.olx --no-work
+cmp -s edited.olx fresh.olx || fail "another field after an edit that changes the bounds"
 
 # A long bake whose results cannot be kept has no folder, unless one is named.
 classic=(builtin:cornell --grid 8x8x8 --classic --light reference)

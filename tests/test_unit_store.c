@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -282,6 +283,14 @@ static void a_part_without_a_missing_unit_heeds_the_mark_of_others(void **state)
   assert_true(n.heeded);
   assert_non_null(strstr(olx_last_error(), "units of the stage 'probe' are not there yet"));
   assert_in_range(made(&n), UNITS / 2, UNITS / 2 + 1);
+  // Waiting for them counts those that are missing, not all from the first missing one on.
+  olx_unit_store *store = store_of(p, &n, 1, 2, 0);
+  const olx_unit_stage stage = stage_of(&n);
+  char missing[64];
+  snprintf(missing, sizeof missing, ": %u of %u units of the stage", UNITS - made(&n), (unsigned)UNITS);
+  assert_int_equal(olx_units_await(store, &stage), OLX_ERROR_INCOMPLETE);
+  assert_non_null(strstr(olx_last_error(), missing));
+  olx_unit_store_close(store, false);
   assert_int_equal(run_marked_part(p, &n, 2, 2), OLX_OK);
   assert_false(n.heeded); // the other half of the units is its own
   assert_int_equal(made(&n), UNITS);

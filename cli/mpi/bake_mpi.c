@@ -69,12 +69,13 @@ static bool begin_crew(void *user) {
 
 // ---- The work of a rank
 
-// Returns the processors that a rank may use: those that it is bound to, or its share of the machine.
+// Returns the processors that a rank may use: those that it is bound to, but at most its share of the machine, because
+// several ranks may be bound to the same ones.
 static uint32_t default_threads(const crew *c) {
   cpu_set_t processors;
-  const long online = sysconf(_SC_NPROCESSORS_ONLN);
-  long count = sched_getaffinity(0, sizeof processors, &processors) == 0 ? CPU_COUNT(&processors) : online;
-  if (count >= online) count = online / c->ranks_here;
+  const long share = sysconf(_SC_NPROCESSORS_ONLN) / c->ranks_here;
+  const long bound = sched_getaffinity(0, sizeof processors, &processors) == 0 ? CPU_COUNT(&processors) : share;
+  const long count = bound < share ? bound : share;
   return count > 0 ? (uint32_t)count : 1;
 }
 
@@ -116,8 +117,8 @@ static int run_crew(void *user, driven_bake *bake, bool *collects) {
   if (code != GO_ON) return code;
   const olx_result result = bake_part(c, bake);
   if (result == OLX_ERROR_CANCELLED) {
-    return failure(NAME, "rank %d: interrupted; %s holds what is done, and the same command goes on from it", c->rank,
-                   bake->settings.work.folder);
+    return failure(NAME, "rank %d: interrupted; %s holds what is done, and the same command%s goes on from it", c->rank,
+                   bake->settings.work.folder, bake->settings.work.fresh ? " without --fresh" : "");
   }
   if (result != OLX_OK) return library_failure("bake");
   bake->settings.work.fresh = false;

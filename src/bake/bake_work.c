@@ -52,8 +52,9 @@ static void put_settings(olx_byte_writer *to, const olx_bake_settings *s) {
                               s->seed};
   olx_bytes_put(to, numbers, sizeof numbers / sizeof *numbers, sizeof *numbers);
   olx_bytes_put(to, &s->noise, 1, sizeof s->noise);
-  put_grid(to, &s->grid);
-  put_grid(to, &s->irradiance_grid);
+  // Grids that are not used may follow the bounds of the scene, which an edit changes.
+  if (!s->probes) put_grid(to, &s->grid);
+  if (olx_bake_keeps_probe_light(s)) put_grid(to, &s->irradiance_grid);
   if (s->probes) olx_bytes_put(to, s->probes, s->probe_count, sizeof *s->probes);
 }
 

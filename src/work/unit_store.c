@@ -149,6 +149,8 @@ static olx_result fate_of(olx_unit_store *s, const olx_unit_name *name, olx_resu
   if (got == OLX_ERROR_INCOMPLETE) *fate = UNIT_MISSING;
   else if (got == OLX_ERROR_CHECKSUM && !s->joins) *fate = UNIT_DAMAGED;
   else if (got == OLX_ERROR_FILE && !s->joins) *fate = UNIT_UNREADABLE;
+  else if (got == OLX_ERROR_CHECKSUM)
+    return olx_fail(got, "%s: remove that file, and call a part again", olx_last_error());
   else return got;
   if (*fate != UNIT_DAMAGED) return OLX_OK;
   olx_log(OLX_LOG_WARNING, "%s; it is made again", olx_last_error());
@@ -258,13 +260,18 @@ static uint32_t count_missing(const olx_unit_store *s, const olx_unit_stage *sta
   return missing;
 }
 
+// Other parts may store units while this one looks for them.
+static olx_result refuse_if_missing(olx_unit_store *s, const olx_unit_stage *stage) {
+  const uint32_t missing = count_missing(s, stage);
+  return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
+}
+
 static olx_result make_share(olx_unit_store *s, const olx_unit_stage *stage) {
   const stage_place place = {s, stage};
   olx_unit_deal deal = deal_of(s, stage);
   uint32_t next;
   while (olx_unit_deal_next(&deal, has_unit, &place, &next)) OLX_TRY(make_unit(s, stage, next, UNIT_MISSING));
-  const uint32_t missing = count_missing(s, stage); // other parts may have stored theirs since
-  return missing > 0 ? refuse_missing(s, stage, missing) : OLX_OK;
+  return refuse_if_missing(s, stage);
 }
 
 static olx_result make_all(olx_unit_store *s, const olx_unit_stage *stage) {
@@ -299,7 +306,7 @@ olx_result olx_units_await(olx_unit_store *s, const olx_unit_stage *stage) {
     const olx_unit_name name = name_of(stage, unit);
     if (wait_for(s, &name)) continue;
     OLX_TRY(olx_check_cancelled());
-    return refuse_missing(s, stage, stage->count - unit);
+    return refuse_if_missing(s, stage);
   }
   return OLX_OK;
 }

@@ -509,11 +509,8 @@ static olx_result refuse_folder(const olx_work_folder *f, const char *why) {
   return olx_fail(OLX_ERROR_FILE, "%s: cannot be a work folder: %s", f->path, why);
 }
 
-static olx_result open_folder(olx_work_folder *f, bool make) {
+static olx_result open_existing(olx_work_folder *f) {
   struct stat status;
-  if (make && mkdir(f->path, 0700) != 0 && errno != EEXIST) {
-    return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", f->path, strerror(errno));
-  }
   f->descriptor = open(f->path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (f->descriptor < 0) {
     if (errno == ENOTDIR || errno == ELOOP) return refuse_folder(f, "it is a file or a link");
@@ -523,6 +520,17 @@ static olx_result open_folder(olx_work_folder *f, bool make) {
   if (status.st_uid != geteuid()) return refuse_folder(f, "it is another user's");
   if (status.st_mode & 077) return refuse_folder(f, "others may look into it (its mode must be 0700)");
   return OLX_OK;
+}
+
+// Leaves no folder behind that it made where the file system does not support folders of one user.
+static olx_result open_folder(olx_work_folder *f, bool make) {
+  const bool made = make && mkdir(f->path, 0700) == 0;
+  if (make && !made && errno != EEXIST) {
+    return olx_fail(OLX_ERROR_FILE, "%s: cannot create: %s", f->path, strerror(errno));
+  }
+  const olx_result result = open_existing(f);
+  if (result != OLX_OK && made) rmdir(f->path);
+  return result;
 }
 
 static olx_result lock_folder(const olx_work_folder *f, olx_work_lock lock) {

@@ -188,6 +188,28 @@ static void rays_along_axes_and_through_the_probe_end_where_they_should(void **s
   analytic_field_free(field);
 }
 
+// A ray from a probe's own place runs along one texel, and ends at what the probe sees there. It never ends before that,
+// in the air, even where the texel shows the edge of a box.
+static void rays_from_a_probe_end_at_what_it_sees(void **state) {
+  (void)state;
+  olx_field *field = analytic_field_make(&furnished, &single, 64, 16);
+  const olx_sample_settings settings = olx_sample_settings_default();
+  const olx_vec3 probe = field->probe_positions[0];
+  uint32_t hits = 0, early = 0;
+  for (uint32_t i = 0; i < 20000; i++) {
+    const olx_vec3 d = random_direction(i);
+    const olx_trace_hit hit = olx_trace(field, &settings, probe, d, INFINITY);
+    if (hit.status != OLX_TRACE_HIT) continue;
+    const float stored = olx_texel_distance(field, 0, olx_texel_towards(field, d));
+    hits++;
+    early += hit.distance_metres < 0.5f * stored;
+  }
+  print_message("%u of %u rays from a probe end in the air\n", early, hits);
+  assert_true(hits > 19000);
+  assert_int_equal(early, 0);
+  analytic_field_free(field);
+}
+
 // A lamp close above the floor lights the floor below it, so its rays must end there, with every way to choose probes.
 static void rays_from_close_above_a_surface_end_on_it(void **state) {
   (void)state;
@@ -229,6 +251,7 @@ int main(void) {
       cmocka_unit_test(rays_for_visibility_alone_end_where_others_do),
       cmocka_unit_test(rays_ask_at_most_two_probes_that_no_list_names),
       cmocka_unit_test(rays_along_axes_and_through_the_probe_end_where_they_should),
+      cmocka_unit_test(rays_from_a_probe_end_at_what_it_sees),
       cmocka_unit_test(rays_from_close_above_a_surface_end_on_it),
       cmocka_unit_test(a_ray_that_ends_early_misses),
   };

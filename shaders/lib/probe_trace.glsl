@@ -218,7 +218,8 @@ bool olx_supported(inout olx_march m, olx_piece p, ivec2 at, olx_surfel s, float
   return stored <= reach;
 }
 
-// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1.
+// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1. A ray that is lost behind the
+// end of the plane is lost where it crosses it.
 int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_surfel s,
                      inout olx_probe_answer answer) {
   float tolerance = olx_plane_tolerance(s);
@@ -228,10 +229,8 @@ int olx_judge_height(inout olx_march m, olx_piece p, olx_cell c, float t1, olx_s
     precise float height1 = s.f0 + s.f1 * t1;
     if (t1 >= OLX_INFINITY) height1 = s.f1 < 0.0 ? -OLX_INFINITY : OLX_INFINITY;
     if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane throughout the texel
-    float t = clamp(plane, c.t, t1);
-    if (olx_beyond_reach(m, c.at, s, olx_radius_squared(m, t))) return OLX_VERDICT_HIDDEN;
-    answer.t = t;
-    return OLX_VERDICT_HIT;
+    answer.t = clamp(plane, c.t, t1);
+    return olx_beyond_reach(m, c.at, s, olx_radius_squared(m, answer.t)) ? OLX_VERDICT_HIDDEN : OLX_VERDICT_HIT;
   }
   if (s.f1 >= 0.0) {
     // Below, but rising: a ray that has just left this surface is still within the error of rounding and curvature. One
@@ -258,6 +257,7 @@ int olx_judge_surfel(inout olx_march m, olx_piece p, olx_cell c, float t1, float
   answer.t = c.t;
   int verdict = OLX_VERDICT_HIDDEN;
   if (!olx_beyond_reach(m, c.at, s, nearest_squared)) verdict = olx_judge_height(m, p, c, t1, s, answer);
+  if (answer.t > c.t) nearest_squared = olx_radius_squared(m, answer.t);
   precise float gap = (sqrt(nearest_squared) - stored) / s.footprint;
   if (verdict == OLX_VERDICT_HIDDEN) answer.gap = gap;
   return verdict;

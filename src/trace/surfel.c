@@ -75,17 +75,16 @@ static bool supported(olx_march *m, const olx_piece *p, olx_cell c, const surfel
   return stored <= sqrtf(olx_radius_squared(m, t)) + s->footprint * slope;
 }
 
-// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1.
+// Judges a ray above, on or below the surfel's plane in texel c, which it leaves at t1. A ray that is lost behind the
+// end of the plane is lost where it crosses it.
 static olx_verdict judge_height(olx_march *m, const olx_piece *p, olx_cell c, float t1, const surfel *s,
                                 olx_probe_answer *answer) {
   const float tolerance = plane_tolerance(s), height0 = s->f0 + s->f1 * c.t;
   if (height0 >= -tolerance) {
     const float height1 = isfinite(t1) ? s->f0 + s->f1 * t1 : s->f1 < 0.0f ? -INFINITY : INFINITY;
     if (height1 >= -tolerance) return OLX_VERDICT_CLEAR; // above the plane throughout the texel
-    const float t = olx_clamp(-s->f0 / s->f1, c.t, t1);
-    if (beyond_reach(m, c, s, olx_radius_squared(m, t))) return OLX_VERDICT_HIDDEN;
-    answer->t = t;
-    return OLX_VERDICT_HIT;
+    answer->t = olx_clamp(-s->f0 / s->f1, c.t, t1);
+    return beyond_reach(m, c, s, olx_radius_squared(m, answer->t)) ? OLX_VERDICT_HIDDEN : OLX_VERDICT_HIT;
   }
   if (s->f1 >= 0.0f) {
     // Below, but rising: a ray that has just left this surface is still within the error of rounding and curvature. One
@@ -147,9 +146,8 @@ olx_verdict olx_visit_block(olx_march *m, const olx_piece *p, int32_t x, int32_t
     const olx_vec2 ahead = olx_crossings_ahead(p, c.x, c.y, 0);
     const float s1 = olx_min(ahead.x, ahead.y), end = olx_parameter_at(p, s1);
     float stored;
-    const olx_verdict verdict = olx_reaches_plane(m, c, end, &stored)
-                                    ? olx_judge_surfel(m, p, c, end, stored, answer)
-                                    : OLX_VERDICT_CLEAR;
+    const olx_verdict verdict =
+        olx_reaches_plane(m, c, end, &stored) ? olx_judge_surfel(m, p, c, end, stored, answer) : OLX_VERDICT_CLEAR;
     if (verdict != OLX_VERDICT_CLEAR || s1 >= 1.0f) return verdict;
     c = olx_next_cell(p, c, ahead, end);
   } while (c.x >> OLX_PYRAMID_FINEST == x && c.y >> OLX_PYRAMID_FINEST == y);
@@ -164,6 +162,7 @@ olx_verdict olx_judge_surfel(olx_march *m, const olx_piece *p, olx_cell c, float
   answer->t = c.t;
   const olx_verdict verdict =
       beyond_reach(m, c, &s, nearest_squared) ? OLX_VERDICT_HIDDEN : judge_height(m, p, c, t1, &s, answer);
-  if (verdict == OLX_VERDICT_HIDDEN) answer->gap = (sqrtf(nearest_squared) - stored) / s.footprint;
+  const float lost_squared = answer->t > c.t ? olx_radius_squared(m, answer->t) : nearest_squared;
+  if (verdict == OLX_VERDICT_HIDDEN) answer->gap = (sqrtf(lost_squared) - stored) / s.footprint;
   return verdict;
 }

@@ -284,6 +284,14 @@ typedef struct olx_gpu_uvec4 {
 // between them.
 #define OLX_STORED_NORMAL_ERROR 0.0111f
 
+// A channel that is darker than this share of the brightest may be lost in stored light, whose channels share an
+// exponent.
+#define OLX_STORED_LIGHT_RANGE 0.0078125f
+
+// Smallest cosine between the shading normal and the view direction. Interpolated normals below it are bent towards the
+// viewer, which sees the surface's front.
+#define OLX_LEAST_VIEW_COSINE 1e-3f
+
 // trace. A ray remembers tried probes by their numbers modulo the first constant, one bit each. That is exact in fields
 // with no more probes; in larger fields a probe may count as tried because another one was. The constant is a prime, so
 // that it does not align with the strides of grids.

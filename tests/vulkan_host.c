@@ -35,6 +35,11 @@ static olx_vec3 bent_normal(olx_vec3 normal, uint32_t x, uint32_t y, float bend)
   return bend > 0.0f ? olx_normalize(olx_madd(normal, aside, bend)) : normal;
 }
 
+static olx_vec3 turned_normal(olx_vec3 normal, olx_vec3 view) {
+  const float cosine = olx_dot(normal, view), least = OLX_LEAST_VIEW_COSINE;
+  return cosine < least ? olx_normalize(olx_madd(normal, view, least - cosine)) : normal;
+}
+
 host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
   const float cx = ((float)x + v->shift.x + 0.5f) / (float)v->width * 2.0f - 1.0f,
               cy = ((float)y + v->shift.y + 0.5f) / (float)v->height * 2.0f - 1.0f;
@@ -42,7 +47,7 @@ host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
   const analytic_hit hit = analytic_cast(v->scene, v->eye, d);
   const uint32_t h = olx_hash2(x, y);
   host_pixel p = {.empty = x < 4,
-                  .normal = bent_normal(hit.normal, x, y, v->bend),
+                  .stored_normal = bent_normal(hit.normal, x, y, v->bend),
                   .geometric_normal = hit.normal,
                   .vertex_normal = bent_normal(hit.normal, x, y, 0.2f * v->bend),
                   .dynamic = (x / 4 + y / 4) % 2 != 0,
@@ -51,6 +56,7 @@ host_pixel host_pixel_at(const host_view *v, uint32_t x, uint32_t y) {
                   .roughness = (float)(h & 255u) / 255.0f,
                   .metallic = h & 256u ? 0.0f : 0.75f,
                   .weight = h & 512u ? 1.0f : 0.5f};
+  p.normal = turned_normal(p.stored_normal, p.view);
   p.depth = p.empty ? 0.0f : HOST_NEAR / (-d.z * hit.t);
   // Distance along the view comes from the stored depth, as in the passes.
   p.metres = HOST_NEAR / (p.empty ? 1.0f : p.depth);
@@ -140,7 +146,7 @@ void host_upload(host_images *h, const host_view *view) {
   for (uint32_t i = 0; i < h->width * h->height; i++) {
     const host_pixel p = host_pixel_at(view, i % h->width, i / h->width);
     ((float *)(void *)(memory + plane(h, 0)))[i] = p.depth;
-    stage_normal(h, 1, i, p.normal);
+    stage_normal(h, 1, i, p.stored_normal);
     stage_normal(h, HOST_GEOMETRIC_NORMAL, i, p.geometric_normal);
     stage_normal(h, HOST_VERTEX_NORMAL, i, p.vertex_normal);
     ((uint32_t *)(void *)(memory + plane(h, HOST_DYNAMIC)))[i] = p.dynamic ? 255u : 0u;

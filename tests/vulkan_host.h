@@ -35,7 +35,8 @@ typedef struct host_pixel {
   bool empty;
   float depth;  // value of the depth image
   float metres; // distance along the viewing axis, in metres
-  olx_vec3 position, normal, geometric_normal, vertex_normal, view, color;
+  olx_vec3 position, geometric_normal, vertex_normal, view, color;
+  olx_vec3 stored_normal, normal; // in the image of normals, and as the passes take it: turned towards the eye
   bool dynamic; // dynamic in every other square of 4 x 4 pixels, as on a chessboard
   float roughness, metallic, weight;
 } host_pixel;

@@ -81,7 +81,7 @@ typedef struct olx_trace_hit {
   uint32_t probe;    // the probe that resolved the ray or saw it vanish; UINT32_MAX: none was asked
   uint32_t texel;    // of the probe's maps, border included: (y + 1) * (n + 2) + x + 1; 0 for a miss
   float footprint_metres; // of the texel that was hit: stored distance times the square root of its solid angle
-  uint32_t texel_steps;   // number of texels whose distance was read, over all probes
+  uint32_t texel_steps;   // number of texels, blocks and nodes of pyramids that were read, over all probes
   uint32_t probes_tried;
 } olx_trace_hit;
 
@@ -114,15 +114,16 @@ void olx_irradiance_points(const olx_field *field, const olx_sample_settings *se
 // from the light that the field stores for surfaces (docs/maths.md, "Light on surfaces"). It is more accurate than
 // olx_irradiance and lets no light through walls. Where nothing is stored for the surface, it is the light of a
 // parallel surface less than half a texel before or behind it; where there is none either, it is olx_volume_irradiance
-// for the shading normal. Use olx_volume_irradiance for moving objects. Diffuse light leaving the surface is albedo *
+// for the shading normal, a little above the surface. Use olx_volume_irradiance for moving objects. Diffuse light leaving the surface is albedo *
 // irradiance / pi.
 // - `position`: metres, on the surface to within a small share of a texel's footprint (settings->surface_tolerance).
 // - `geometric_normal`: unit, of the triangle, on the side towards the eye. It decides which stored surfaces are this
 //   one.
 // - `shading_normal`: unit. Light is stored for the normal interpolated over the triangle, so smooth surfaces without a
 //   normal map pass the geometric normal here too, and others the normal that the map makes of the geometric normal.
-//   Where the two differ, stored light changes in each channel as olx_volume_irradiance does, by a factor of at most 4,
-//   as far as that is as bright as the stored light; else by half of one plus the cosine between both normals.
+//   Where the two differ, stored light changes in each channel as olx_volume_irradiance does without what comes from
+//   below the surface, by a factor of at most 4, as far as that is as bright as the stored light; else by half of one
+//   plus the cosine between both normals.
 // - `view`: unit, from the surface to the eye; pass the geometric normal where there is no eye.
 // Numbers that are not finite give 0. Light is read from the best max_probes, at most 128, of the point's brick (of
 // its cage in a field without bricks), and where none of them sees the surface, from the best two of all; with

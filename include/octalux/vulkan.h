@@ -118,7 +118,8 @@ enum {
 typedef struct olx_vulkan_targets {
   uint32_t width, height;     // 1 to 16384
   olx_vulkan_image depth;     // as the host's projection gives it; .r
-  olx_vulkan_image normal;    // world space, .xyz; UNORM formats hold n / 2 + 1 / 2
+  olx_vulkan_image normal;    // world space, .xyz, flipped on back faces; UNORM formats hold n / 2 + 1 / 2. Those that
+                              // face away from the eye by interpolation or a normal map are turned towards it
   olx_vulkan_image albedo;    // linear base colour, .rgb (sRGB formats decode themselves)
   olx_vulkan_image roughness; // .r perceptual roughness, .g metallic, .b specular weight (1: F0 = 0.04; 0: Lambertian).
       // A view with swizzles maps other packings; VK_COMPONENT_SWIZZLE_ONE fills a missing weight
@@ -218,7 +219,7 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Records diffuse light: targets.irradiance from the light that the field stores for surfaces (octalux/sample.h,
 // olx_surface_irradiance), and from the irradiance volume (olx_volume_irradiance) where none is stored and on dynamic
-// objects. With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
+// objects; from irradiance probes in a field without a volume. With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 

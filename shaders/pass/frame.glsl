@@ -65,6 +65,11 @@ bool read_surface(ivec2 pixel, out frame_surface surface) {
   surface.position = position_at(pixel, depth);
   surface.normal = read_normal(normal_image, pixel, OLX_FRAME_NORMAL_UNORM);
   surface.view = olx_normalize(frame.eye.xyz - surface.position);
+  // Interpolated and mapped normals may face away from the eye near outlines, and are turned as on the CPU.
+  float cosine = olx_dot(surface.normal, surface.view);
+  if (cosine < OLX_LEAST_VIEW_COSINE) {
+    surface.normal = olx_normalize(surface.normal + surface.view * (OLX_LEAST_VIEW_COSINE - cosine));
+  }
   surface.bsdf = olx_bsdf_make(base_color, material.y, material.x, material.z);
   surface.roughness = material.x;
   return true;

@@ -15,7 +15,7 @@ enum { OLX_PYRAMID_MAX_LEVELS = 4 };
 // Level 0 is the finest; every level above it has at least four nodes a side.
 typedef struct olx_pyramid_shape {
   uint32_t levels;
-  uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // index of a level's first node in a probe's record, the coarsest level first
+  uint32_t side[OLX_PYRAMID_MAX_LEVELS];  // nodes along a side of a level
   uint32_t first[OLX_PYRAMID_MAX_LEVELS]; // where the level begins in the record of a probe: the coarsest comes first
   uint32_t least_level;                   // the finest level of smallest distances
   uint32_t least_nodes;                   // in a probe's record of smallest distances

@@ -4,10 +4,6 @@
 
 #include "scene/bvh.h"
 
-// Smallest cosine between the shading normal and the view direction. Interpolated normals below it are bent towards the
-// viewer, which sees the surface's front.
-#define MIN_VIEW_COSINE 1e-3f
-
 olx_vec3 olx_shading_local(const olx_shading *s, olx_vec3 world) {
   return olx_v3(olx_dot(world, s->tangent), olx_dot(world, s->bitangent), olx_dot(world, s->normal));
 }
@@ -20,7 +16,8 @@ olx_shading olx_shading_make(const olx_surface *surface, olx_vec3 direction) {
   const olx_vec3 view = olx_negate(direction);
   const float cosine = olx_dot(surface->shading_normal, view);
   olx_shading s = {.surface = surface, .normal = surface->shading_normal};
-  if (cosine < MIN_VIEW_COSINE) s.normal = olx_normalize(olx_madd(s.normal, view, MIN_VIEW_COSINE - cosine));
+  if (cosine < OLX_LEAST_VIEW_COSINE)
+    s.normal = olx_normalize(olx_madd(s.normal, view, OLX_LEAST_VIEW_COSINE - cosine));
   olx_basis(s.normal, &s.tangent, &s.bitangent);
   s.view = olx_shading_local(&s, view);
   s.diffuse = olx_bsdf_diffuse(&surface->bsdf, s.view.z);

@@ -91,6 +91,9 @@ static void print_place(const char *path, const olx_probe_set *set) {
   print_share("grazing", report->grazing,
               "seen at grazing angles, or with too large a texel, from wherever a probe may be");
   print_share("restricted", report->restricted, "seen only from where no probe may stand");
+  if (set->count < set->settings.count)
+    printf("  count      %u of %u probes asked for, because no further one was found to help\n", set->count,
+           set->settings.count);
   print_unreached(report);
   print_share("unseen", report->unreachable, "of all surface: no side of it is seen from playable space");
   if (report->buried) printf("  buried     %u probes are inside geometry\n", report->buried);
@@ -100,6 +103,9 @@ static void print_place(const char *path, const olx_probe_set *set) {
            report->rounds, olx_place_optimizer_name(set->settings.optimize));
     printf("             coverage was %.3f %% before\n", 100.0 * report->coverage_before);
   }
+  if (report->voxel_metres > 0.0f)
+    printf("  voxels     %g m, in %u tile%s\n", (double)report->voxel_metres, report->tiles,
+           report->tiles == 1 ? "" : "s");
   printf("  seconds    %.2f\n", report->seconds);
 }
 

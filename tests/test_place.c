@@ -577,10 +577,9 @@ static void marks_tell_what_is_missed(void **state) {
   olx_scene_free(scene);
 }
 
-// A room has an open window in a wall, floor and walls that face both sides, and ground around it: the bounds contain
-// much free space outside, which a camera in the room sees but no probe may be in.
-static void no_probe_leaves_through_a_window(void **state) {
-  (void)state;
+// Starts a room that has an open window in a wall, floor and walls that face both sides, and ground around it, with a
+// camera: the bounds contain much free space outside, which that camera sees.
+static olx_scene *start_room_with_a_window(void) {
   olx_scene *scene = made_scene();
   const uint32_t m = matte(scene);
   made_quad(scene, olx_v3(0, 0, 0), olx_v3(0, 0, 12), olx_v3(12, 0, 0), m);
@@ -590,7 +589,14 @@ static void no_probe_leaves_through_a_window(void **state) {
   made_quad(scene, olx_v3(-2, 1, 0), olx_v3(0, 0, 4), olx_v3(0, 2, 0), m);
   made_quad(scene, olx_v3(2, 0.5f, 0), olx_v3(0, 0, 4), olx_v3(0, 1, 0), m); // the wall below the window
   add_camera(scene, olx_v3(-1, 1, 0), olx_v3(1, 1, 0));
-  made_finish(scene);
+  return scene;
+}
+
+static bool is_in_room(olx_vec3 p) { return box_holds(&(olx_box){{-2, 0, -2}, {3.0f, 2.0f, 2.0f}}, p); }
+
+static void no_probe_leaves_through_a_window(void **state) {
+  (void)state;
+  olx_scene *scene = made_finish(start_room_with_a_window());
   for (int method = OLX_PLACE_SDF; method <= OLX_PLACE_COVER; method++) {
     for (int how = OLX_OPTIMIZE_NONE; how <= OLX_OPTIMIZE_GIBBS; how++) {
       olx_place_settings settings = quicker_settings(scene, (olx_place_method)method);
@@ -599,7 +605,7 @@ static void no_probe_leaves_through_a_window(void **state) {
       olx_probe_set set = place(scene, &settings);
       for (uint32_t i = 0; i < set.count; i++) {
         const olx_vec3 p = set.probes[i].position;
-        if (!box_holds(&(olx_box){{-2, 0, -2}, {3.0f, 2.0f, 2.0f}}, p)) {
+        if (!is_in_room(p)) {
           fail_msg("%s, %s: (%g, %g, %g) is not in the room", olx_place_method_name(settings.method),
                    olx_place_optimizer_name(settings.optimize), (double)p.x, (double)p.y, (double)p.z);
         }
@@ -607,6 +613,36 @@ static void no_probe_leaves_through_a_window(void **state) {
       olx_probe_set_free(&set);
     }
   }
+  olx_scene_free(scene);
+}
+
+// A second camera, beyond the ground, sees the house from outside: what lies before it matters as well.
+static void a_camera_outdoors_gets_probes_beside_one_indoors(void **state) {
+  (void)state;
+  olx_scene *scene = start_room_with_a_window();
+  add_camera(scene, olx_v3(9, 1.5f, 1), olx_v3(2, 1, 0));
+  made_finish(scene);
+  const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
+  olx_probe_set set = place(scene, &settings);
+  uint32_t indoors = 0;
+  for (uint32_t i = 0; i < set.count; i++) indoors += is_in_room(set.probes[i].position);
+  assert_true(indoors > 0 && indoors < set.count);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
+// A grid of more points than there may be candidates is thinned; it is not left out.
+static void a_large_grid_has_candidates(void **state) {
+  (void)state;
+  olx_scene *scene = made_finish(start_divided_room());
+  olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
+  settings.count = 40;
+  ASSERT_OK(olx_scene_probe_grid(scene, (const uint32_t[3]){24, 12, 24}, &settings.grid));
+  olx_probe_set set = place(scene, &settings);
+  uint32_t of_grid = 0;
+  for (uint32_t i = 0; i < set.count; i++) of_grid += set.probes[i].origin == OLX_ORIGIN_GRID;
+  assert_true(of_grid > 0);
+  olx_probe_set_free(&set);
   olx_scene_free(scene);
 }
 
@@ -697,6 +733,8 @@ int main(void) {
       cmocka_unit_test(asked_coverage_is_reached),
       cmocka_unit_test(marks_tell_what_is_missed),
       cmocka_unit_test(no_probe_leaves_through_a_window),
+      cmocka_unit_test(a_camera_outdoors_gets_probes_beside_one_indoors),
+      cmocka_unit_test(a_large_grid_has_candidates),
       cmocka_unit_test(what_lies_uppermost_is_seen_from_above),
       cmocka_unit_test(the_front_of_a_house_is_seen_from_the_street),
       cmocka_unit_test(an_open_room_is_seen_from_within),

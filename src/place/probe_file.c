@@ -102,6 +102,8 @@ static void write_report(cJSON *root, const olx_place_settings *settings, const 
   add_share(object, "unreachable", report->unreachable);
   add_share(object, "reached_m2", report->reached_m2);
   add_share(object, "unreached_m2", report->unreached_m2);
+  add_share(object, "voxel_metres", (double)report->voxel_metres);
+  cJSON_AddNumberToObject(object, "tiles", report->tiles);
   cJSON_AddNumberToObject(object, "buried", report->buried);
   cJSON_AddNumberToObject(object, "rejected", report->rejected);
   if (settings->optimize == OLX_OPTIMIZE_NONE) return;

@@ -68,15 +68,25 @@ static olx_result add_skeleton(const olx_space *space, uint32_t most, olx_candid
   return OLX_OK;
 }
 
+static olx_vec3 grid_point(const olx_grid *grid, uint64_t i) {
+  const olx_vec3 cell = {(float)(i % grid->count[0]), (float)(i / grid->count[0] % grid->count[1]),
+                         (float)(i / grid->count[0] / grid->count[1])};
+  return olx_add(grid->origin, olx_mul(cell, grid->spacing));
+}
+
+// Adds the points of a grid that the space allows, or `most` of them, evenly spread over their order.
 static void add_grid(const olx_space *space, const olx_grid *grid, uint32_t most, olx_candidate *list,
                      uint32_t *count) {
   const uint64_t total = (uint64_t)grid->count[0] * grid->count[1] * grid->count[2];
-  if (total > most) return;
+  uint64_t allowed = 0, passed = 0;
+  for (uint64_t i = 0; i < total; i++) allowed += olx_space_allows(space, grid_point(grid, i));
+  const uint64_t wanted = allowed < most ? allowed : most;
   for (uint64_t i = 0; i < total; i++) {
-    const olx_vec3 cell = {(float)(i % grid->count[0]), (float)(i / grid->count[0] % grid->count[1]),
-                           (float)(i / grid->count[0] / grid->count[1])};
-    const olx_vec3 p = olx_add(grid->origin, olx_mul(cell, grid->spacing));
-    if (olx_space_allows(space, p)) list[(*count)++] = (olx_candidate){p, OLX_ORIGIN_GRID};
+    const olx_vec3 p = grid_point(grid, i);
+    if (!olx_space_allows(space, p)) continue;
+    const bool added = (passed + 1) * wanted / allowed > passed * wanted / allowed;
+    if (added) list[(*count)++] = (olx_candidate){p, OLX_ORIGIN_GRID};
+    passed++;
   }
 }
 

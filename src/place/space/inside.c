@@ -121,7 +121,10 @@ static void look_from(const olx_scene *scene, const olx_camera *camera, free_pla
 static void spread_over_box(const olx_scene *scene, free_places *found) {
   olx_box box = {scene->bounds_min, scene->bounds_max};
   if (scene->has_probe_volume) box = (olx_box){scene->probes_min, scene->probes_max};
-  if (scene->probe_rules.has_playable) box = scene->probe_rules.playable;
+  if (scene->probe_rules.has_playable) {
+    const olx_box playable = scene->probe_rules.playable;
+    box = (olx_box){olx_max_each(playable.min, scene->bounds_min), olx_min_each(playable.max, scene->bounds_max)};
+  }
   const olx_vec3 step = olx_scale(olx_sub(box.max, box.min), 1.0f / LATTICE_SIDE);
   for (uint32_t i = 0; i < LATTICE_SIDE * LATTICE_SIDE * LATTICE_SIDE; i++) {
     const olx_vec3 cell = {(float)(i % LATTICE_SIDE) + 0.5f, (float)(i / LATTICE_SIDE % LATTICE_SIDE) + 0.5f,

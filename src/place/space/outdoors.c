@@ -129,15 +129,12 @@ static olx_result cut_pieces(pieces *p, uint32_t threads) {
 
 bool olx_cameras_are_indoors(const olx_world *world) {
   const olx_scene *scene = world->scene;
-  uint32_t within = 0, indoor = 0, voxel[3];
   for (uint32_t i = 0; i < scene->camera_count; i++) {
     float sky, back;
-    if (!olx_world_at(world, scene->cameras[i].eye, voxel)) continue;
     look_from(scene, scene->cameras[i].eye, &sky, &back);
-    within++;
-    indoor += sky < INDOOR_SKY;
+    if (sky >= INDOOR_SKY) return false;
   }
-  return within > 0 && indoor == within;
+  return scene->camera_count > 0;
 }
 
 static void free_pieces(pieces *p) {

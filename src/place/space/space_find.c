@@ -30,9 +30,8 @@ static bool is_free(const olx_world *w, const uint32_t voxel[3]) {
   return state == OLX_VOXEL_CUT_OFF || state == OLX_VOXEL_REACHED;
 }
 
-// Floods from the free voxel nearest to the eye, among those around it that it sees.
-static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
-  uint32_t nearest[3];
+// Finds the free voxel nearest to the eye, among those around it that it sees.
+static bool find_entry(const olx_world *w, olx_vec3 eye, uint32_t nearest[3]) {
   float nearest_distance = INFINITY;
   for (int32_t i = 0; i < 343; i++) {
     const olx_vec3 step = {(float)(i % 7 - 3), (float)(i / 7 % 7 - 3), (float)(i / 49 - 3)};
@@ -41,10 +40,28 @@ static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
     const olx_vec3 centre = olx_world_centre(w, voxel);
     const float distance = olx_length(olx_sub(centre, eye));
     if (distance >= nearest_distance || !olx_bvh_is_clear(w->scene->bvh, eye, centre)) continue;
-    memcpy(nearest, voxel, sizeof nearest);
+    memcpy(nearest, voxel, sizeof voxel);
     nearest_distance = distance;
   }
-  return isfinite(nearest_distance) ? olx_world_flood(w, nearest) : 0;
+  return isfinite(nearest_distance);
+}
+
+static uint64_t enter_here(olx_world *w, olx_vec3 eye) {
+  uint32_t voxel[3];
+  return find_entry(w, eye, voxel) ? olx_world_flood(w, voxel) : 0;
+}
+
+// Warns of cameras within the voxels from which the flood cannot begin.
+static void warn_of_cameras(const olx_world *w) {
+  for (uint32_t i = 0; i < w->scene->camera_count; i++) {
+    const olx_camera *camera = &w->scene->cameras[i];
+    uint32_t voxel[3];
+    if (!olx_world_at(w, camera->eye, voxel) || find_entry(w, camera->eye, voxel)) continue;
+    olx_log(OLX_LOG_WARNING,
+            "place: camera \"%s\" has no free voxel of %g m around it, so no probe is placed for what only it sees; a "
+            "pinned probe, or a smaller --voxel-size, helps",
+            camera->name, (double)w->lattice.size);
+  }
 }
 
 // Clips [enter, leave], in lengths of the direction, to where the ray is within the voxels.
@@ -316,6 +333,7 @@ static olx_result flood_space(olx_world *w, uint32_t threads) {
     OLX_TRY(find_indoors(w, threads, &indoors));
     OLX_TRY(leave_outdoors(w, indoors, threads));
   }
+  warn_of_cameras(w);
   if (w->reached_count > 0) return sift(w, indoors, threads);
   return olx_fail(OLX_ERROR_EMPTY, "nowhere to place probes: every free place in %s is inside geometry",
                   w->scene->probe_rules.has_playable ? "the playable box" : "the scene's bounds");

@@ -608,7 +608,7 @@ static void bad_settings_are_refused(void **state) {
     case 6: bad.samples = 9; break;
     case 7: bad.light_samples = 0; break;
     case 8: bad.light_samples = 65; break;
-    case 9: bad.bounces = 65; break;
+    case 9: bad.bounces = 257; break;
     case 10: bad.grid.count[1] = 0; break;
     case 11: bad.irradiance_grid.spacing.y = 0.0f; break;
     case 12: bad.grid.origin.x = NAN; break;

@@ -48,7 +48,7 @@ expect_usage "power of two from 32 to 256" bake builtin:cornell -o a.olx --class
 expect_usage "go with --classic" bake builtin:cornell -o a.olx --cube-size 64
 expect_usage "--method classic needs --field" render builtin:cornell -o a.exr --method classic
 expect_usage "go with --method field" render builtin:cornell -o a.exr --method classic --field a.olx --mode gather
-expect_usage "from 0 to 64" bake builtin:cornell -o a.olx --bounces 65
+expect_usage "from 0 to 256" bake builtin:cornell -o a.olx --bounces 257
 expect_usage "from 1 to 8" bake builtin:cornell -o a.olx --samples 0
 expect_usage "from 1 to 64" bake builtin:cornell -o a.olx --light-samples 65
 expect_usage "from 0 to 4096" bake builtin:cornell -o a.olx --threads -1

@@ -101,8 +101,8 @@ typedef struct olx_bake_settings {
   bool uncompressed;        // store geometry, material and light as texels, as a reference for blocks; default false
   uint32_t samples;         // samples of surfaces along a texel's side, 1 to 8; default 2 (four a texel)
   uint32_t light_samples;   // shadow rays a sample sends to area lights and to the sky, 1 to 64; default 1
-  uint32_t bounces;         // further bounces after direct light, 0 to 64, as long as they bring 2^-10 of the light;
-                            // default 32
+  uint32_t bounces;         // further bounces after direct light, 0 to 256, as long as they bring 2^-10 of the
+                            // light; default 128
   olx_bake_light light;     // default OLX_LIGHT_CACHE
   float noise;              // greatest standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // paths a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64

@@ -132,7 +132,7 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     metres, instead of a grid. irradiance_grid: three counts of irradiance probes (with probe_light=True). select: words for structures to
     bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
     is the largest whose field is expected to fit, and cannot be given. Further settings are the members of olx_bake_settings
-    (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=32,
+    (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=128,
     noise=0.02, volume_cells=32, classic=False, relight=False, seed=0, threads=0, ... Bytes depend on scene and settings alone. Returns
     the members of olx_bake_stats. Raises Error.
 

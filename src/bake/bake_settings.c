@@ -19,7 +19,7 @@ olx_bake_settings olx_bake_settings_default(const olx_scene *scene) {
                                 .irradiance_size = 128,
                                 .samples = 2,
                                 .light_samples = 1,
-                                .bounces = 32,
+                                .bounces = 128,
                                 .noise = 0.02f,
                                 .reference_paths = 64,
                                 .volume_cells = 32,

@@ -64,17 +64,20 @@ static float mean_of_texels(const olx_scene *scene, uint32_t triangle, const olx
   const olx_vec2 *uvs = material->second_uvs & OLX_SLOT_EMISSION ? scene->second_uvs : scene->uvs;
   const uint32_t *index = scene->indices + 3 * (size_t)triangle;
   const olx_vec2 size = {(float)texture->width, (float)texture->height};
+  const olx_vec2 tile = {floorf(uvs[index[0]].x), floorf(uvs[index[0]].y)}; // textures repeat
   olx_vec2 p[3], low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
   for (int i = 0; i < 3; i++) {
-    p[i] = (olx_vec2){uvs[index[i]].x * size.x, uvs[index[i]].y * size.y};
+    p[i] = (olx_vec2){(uvs[index[i]].x - tile.x) * size.x, (uvs[index[i]].y - tile.y) * size.y};
     low = (olx_vec2){fminf(low.x, floorf(p[i].x)), fminf(low.y, floorf(p[i].y))};
     high = (olx_vec2){fmaxf(high.x, ceilf(p[i].x)), fmaxf(high.y, ceilf(p[i].y))};
   }
   const float whole = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
   if (!((high.x - low.x) * (high.y - low.y) <= MOST_TEXELS) || whole == 0.0f) return 0.0f;
+  const uint32_t columns = (uint32_t)(high.x - low.x), rows = (uint32_t)(high.y - low.y);
   double sum = 0.0, count = 0.0;
-  for (float y = low.y + 0.5f; y < high.y; y++) {
-    for (float x = low.x + 0.5f; x < high.x; x++) {
+  for (uint32_t row = 0; row < rows; row++) {
+    for (uint32_t column = 0; column < columns; column++) {
+      const float x = low.x + (float)column + 0.5f, y = low.y + (float)row + 0.5f;
       const float v = ((x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (y - p[0].y)) / whole;
       const float w = ((p[1].x - p[0].x) * (y - p[0].y) - (x - p[0].x) * (p[1].y - p[0].y)) / whole;
       if (!(v >= 0.0f && w >= 0.0f && v + w <= 1.0f)) continue;

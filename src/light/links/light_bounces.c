@@ -5,6 +5,7 @@
 #include "core/pack.h"
 #include "core/result.h"
 #include "light/links/link_batch.h"
+#include "light/links/links.h"
 
 enum { SURFELS_PER_JOB = 256, KEPT = OLX_BOUNCES_KEPT };
 
@@ -112,6 +113,7 @@ typedef struct spread {
   const olx_link_batch *batch;
   const olx_vec3 *direct, *irradiance;
   double *squares; // for each surfel, the sum of its luminances' squared deviations from the mean of their batch
+  double *worths;  // and the sum over its rays of their squared worth
 } spread;
 
 static void add_spread(void *user, uint32_t job) {
@@ -127,19 +129,24 @@ static void add_spread(void *user, uint32_t job) {
       sum += value;
       square += value * value;
     }
-    s->squares[olx_link_surfel(s->batch, n)] += square - sum * sum / s->batch->rays;
+    const uint32_t surfel = olx_link_surfel(s->batch, n);
+    const double worth = (double)olx_link_worth(s->batch, surfel);
+    s->squares[surfel] += square - sum * sum / s->batch->rays;
+    s->worths[surfel] += worth * worth * s->batch->rays;
     olx_link_batch_passed(s->batch, n, &from);
   }
   olx_link_batch_rest(s->batch, from, end);
 }
 
-// Batches differ in the weight of their rays, so that each batch has its own mean.
-static float variance_of_mean(const olx_light_links *links, uint32_t i, double squares) {
+// Batches differ in the worth of their rays, so that each batch has its own mean. Of light without links only the sum
+// over all batches is known, so there a batch has its rays' share of that.
+static float variance_of_mean(const spread *s, uint32_t i) {
+  const olx_light_links *links = s->links;
   const double n = (double)links->worth[i];
   double fixed = 0.0;
   for (uint32_t k = 0; k < OLX_CHAIN_MOST; k++) fixed += (double)olx_luminance(links->fixed[i].sum[k]);
-  squares += (double)links->fixed[i].square - fixed * fixed / n;
-  return (float)(fmax(0.0, squares) / (n * n));
+  const double mean = fixed / n, without_links = (double)links->fixed[i].square - mean * mean * s->worths[i];
+  return (float)(fmax(0.0, s->squares[i] + without_links) / (n * n));
 }
 
 olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
@@ -147,15 +154,16 @@ olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_co
   spread s = {.links = links,
               .direct = direct,
               .irradiance = irradiance,
-              .squares = olx_allocate_zero(surfel_count, sizeof *s.squares)};
-  olx_result result = s.squares ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for variances");
+              .squares = olx_allocate_zero(surfel_count, sizeof *s.squares),
+              .worths = olx_allocate_zero(surfel_count, sizeof *s.worths)};
+  olx_result result = s.squares && s.worths ? OLX_OK : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for variances");
   for (uint32_t k = 0; result == OLX_OK && k < links->batch_count; k++) {
     s.batch = &links->batches[k];
     const uint32_t jobs = (s.batch->count + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
     result = olx_parallel_for(jobs, threads, add_spread, &s, NULL, 0);
   }
-  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++)
-    variance[i] = variance_of_mean(links, i, s.squares[i]);
+  for (uint32_t i = 0; result == OLX_OK && i < surfel_count; i++) variance[i] = variance_of_mean(&s, i);
   olx_release(s.squares);
+  olx_release(s.worths);
   return result;
 }

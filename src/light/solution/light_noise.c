@@ -7,7 +7,7 @@
 // Interpolation averages the noise of several surfels: the variance of the result is about this share of one surfel's.
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise is measured relative to the light of a place, or to this share of the mean light where the place is darker.
-static const float DARK_SHARE = 0.02f;
+static const float DARK_SHARE = 0.002f;
 // Further rays are cast only where they are at least this share of the first rays.
 static const float ENOUGH_RAYS = 0.25f;
 

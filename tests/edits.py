@@ -16,7 +16,7 @@ VIEW = {"plan": "none", "light": "none", "probe": "none"}
 # The least share of all rays that is reused after each kind of edit, just below the least of random edits. Noise
 # is low enough that surfels and gathers cast guided rays, which are the ones that an edit can easily lose.
 NOISE = "0.02"
-LEAST_REUSED = {"colour": 0.5, "lamp": 0.11, "chair": 0.405, "gloss": 0.007}
+LEAST_REUSED = {"colour": 0.495, "lamp": 0.11, "chair": 0.405, "gloss": 0.007}
 
 
 def box(low, high, material, inwards=False):

@@ -202,7 +202,7 @@ static void fill_cpu_frame(cpu_frame *c, const olx_field *field, const host_view
     const host_pixel p = host_pixel_at(v, x, y);
     if (p.empty) continue;
     c->depth[at] = p.metres;
-    c->normal[at] = p.normal;
+    c->normal[at] = p.stored_normal; // filters compare the normals of the image
     c->roughness[at] = p.roughness;
     const uint32_t seed = olx_hash2(x, y);
     c->samples[0][at] = sample_diffuse(field, &p, random_of(seed, OLX_DIFFUSE_BRANCH, number));

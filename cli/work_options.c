@@ -61,8 +61,8 @@ static bool can_be_private(const char *folder) {
   return private;
 }
 
-// Returns whether a bake uses a work folder: when it is long, or its units are to be told of, and it can be kept, or when
-// its folder already exists.
+// Returns whether a bake uses a work folder: when it is long, or its units are to be told of, and it can be kept, or
+// when its folder already exists.
 static bool wants_folder(const olx_scene *scene, const olx_bake_settings *settings, const char *output,
                          const work_line *line) {
   olx_bake_sizes sizes;

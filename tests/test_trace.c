@@ -188,8 +188,8 @@ static void rays_along_axes_and_through_the_probe_end_where_they_should(void **s
   analytic_field_free(field);
 }
 
-// A ray from a probe's own place runs along one texel, and ends at what the probe sees there. It never ends before that,
-// in the air, even where the texel shows the edge of a box.
+// A ray from a probe's own place runs along one texel, and ends at what the probe sees there. It never ends before
+// that, in the air, even where the texel shows the edge of a box.
 static void rays_from_a_probe_end_at_what_it_sees(void **state) {
   (void)state;
   olx_field *field = analytic_field_make(&furnished, &single, 64, 16);

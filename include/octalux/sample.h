@@ -114,8 +114,8 @@ void olx_irradiance_points(const olx_field *field, const olx_sample_settings *se
 // from the light that the field stores for surfaces (docs/maths.md, "Light on surfaces"). It is more accurate than
 // olx_irradiance and lets no light through walls. Where nothing is stored for the surface, it is the light of a
 // parallel surface less than half a texel before or behind it; where there is none either, it is olx_volume_irradiance
-// for the shading normal, a little above the surface. Use olx_volume_irradiance for moving objects. Diffuse light leaving the surface is albedo *
-// irradiance / pi.
+// for the shading normal, a little above the surface. Use olx_volume_irradiance for moving objects. Diffuse light
+// leaving the surface is albedo * irradiance / pi.
 // - `position`: metres, on the surface to within a small share of a texel's footprint (settings->surface_tolerance).
 // - `geometric_normal`: unit, of the triangle, on the side towards the eye. It decides which stored surfaces are this
 //   one.

@@ -219,7 +219,8 @@ olx_vulkan_settings olx_vulkan_settings_default(void);
 
 // Records diffuse light: targets.irradiance from the light that the field stores for surfaces (octalux/sample.h,
 // olx_surface_irradiance), and from the irradiance volume (olx_volume_irradiance) where none is stored and on dynamic
-// objects; from irradiance probes in a field without a volume. With settings->irradiance_probes, from irradiance probes (McGuire et al. 2017, section 5.2).
+// objects; from irradiance probes in a field without a volume. With settings->irradiance_probes, from irradiance probes
+// (McGuire et al. 2017, section 5.2).
 olx_result olx_vulkan_record_irradiance(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                         const olx_vulkan_view *view, const olx_vulkan_settings *settings);
 

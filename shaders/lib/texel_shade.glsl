@@ -41,8 +41,8 @@ vec3 olx_highlight(olx_texel_surface s, vec3 to_light, float cosine_light) {
   return olx_fresnel(s.bsdf, olx_dot(s.view, half_vector)) * (a2 * g / (4.0 * OLX_PI * d * d * s.cosine));
 }
 
-// Returns the largest share of light that can be part of stored light: in no colour channel more than that has. Channels
-// that are far darker than the brightest say nothing, because stored light has no room for them.
+// Returns the largest share of light that can be part of stored light: in no colour channel more than that has.
+// Channels that are far darker than the brightest say nothing, because stored light has no room for them.
 float olx_share_within(vec3 stored, vec3 light) {
   float least = max(light.x, max(light.y, light.z)) * OLX_STORED_LIGHT_RANGE;
   float share = 1.0;

@@ -31,8 +31,8 @@ static olx_vec3 highlight(const texel_surface *s, olx_vec3 to_light, float cosin
   return olx_scale(olx_fresnel(&s->bsdf, olx_dot(s->view, half)), a2 * g / (4.0f * OLX_PI * d * d * s->cosine));
 }
 
-// Returns the largest share of light that can be part of stored light: in no colour channel more than that has. Channels
-// that are far darker than the brightest say nothing, because stored light has no room for them.
+// Returns the largest share of light that can be part of stored light: in no colour channel more than that has.
+// Channels that are far darker than the brightest say nothing, because stored light has no room for them.
 static float share_within(olx_vec3 stored, olx_vec3 light) {
   const float least = olx_max3(light) * OLX_STORED_LIGHT_RANGE;
   float share = 1.0f;

@@ -651,6 +651,66 @@ static void gathers_beside_a_dark_surfel_keep_their_light(void **state) {
   olx_scene_free(scene);
 }
 
+// Two closed rooms of two metres, side by side, each with a lamp close to a corner. That of the first is `ratio` times as
+// bright as that of the second.
+static olx_scene *two_lit_rooms(float ratio) {
+  olx_scene *scene = made_scene();
+  olx_material paint = olx_material_default();
+  paint.base_color = olx_splat(0.3f);
+  paint.specular_weight = 0.0f;
+  const uint32_t white = made_material(scene, &paint);
+  for (uint32_t room = 0; room < 2; room++) {
+    const olx_vec3 middle = {4.0f * (float)room, 0, 0};
+    made_room(scene, middle, 2.0f, white);
+    const olx_light lamp = {.type = OLX_LIGHT_POINT,
+                            .position = olx_add(middle, olx_v3(0.7f, 0.7f, 0.7f)),
+                            .emission = olx_splat(room ? 1.0f : ratio)};
+    assert_int_equal(olx_scene_add_light(scene, &lamp), OLX_OK);
+  }
+  return made_finish(scene);
+}
+
+// Returns the relative difference, RMS, of two solutions with other random numbers at the walls of each room.
+static void compare_rooms(float ratio, double difference[2]) {
+  enum { WALL_POINTS = 256 };
+  olx_scene *scene = two_lit_rooms(ratio);
+  const olx_vec3 probes[2] = {{0.1f, 0.1f, 0.1f}, {4.1f, 0.1f, 0.1f}};
+  const uint8_t flags[2] = {0};
+  olx_scene_light *light[2];
+  olx_scene_light_settings settings = olx_scene_light_settings_default();
+  settings.map_size = 64;
+  settings.threads = 2;
+  for (uint32_t seed = 0; seed < 2; seed++) {
+    settings.seed = seed;
+    assert_int_equal(olx_scene_light_create(scene, &settings, probes, flags, 2, &light[seed]), OLX_OK);
+  }
+  for (uint32_t room = 0; room < 2; room++) {
+    double squares = 0.0;
+    for (uint32_t i = 0; i < WALL_POINTS; i++) {
+      const olx_ray ray = {probes[room], olx_sample_sphere(olx_hammersley(i, WALL_POINTS)), 0.0f, INFINITY};
+      const olx_ray_hit hit = olx_bvh_intersect(scene->bvh, &ray);
+      const olx_surface wall = olx_surface_at(scene, &hit, ray.direction);
+      const double a = (double)olx_luminance(olx_scene_light_irradiance(light[0], &wall)),
+                   b = (double)olx_luminance(olx_scene_light_irradiance(light[1], &wall));
+      squares += 4.0 * (a - b) * (a - b) / ((a + b) * (a + b));
+    }
+    difference[room] = sqrt(squares / WALL_POINTS);
+  }
+  olx_scene_light_free(light[0]);
+  olx_scene_light_free(light[1]);
+  olx_scene_free(scene);
+}
+
+// Noise is a share of the light of a place: a room with a two-hundredth of its neighbour's light has as little of it.
+static void a_dim_room_has_no_more_noise_than_its_bright_neighbour(void **state) {
+  (void)state;
+  double difference[2];
+  compare_rooms(200.0f, difference);
+  print_message("two solutions differ by %.4f in the bright room and by %.4f in the dim one\n", difference[0],
+                difference[1]);
+  assert_true(difference[1] < 1.25 * difference[0]);
+}
+
 // A room whose ceiling is a black pane of this opacity.
 static olx_scene *room_below_a_pane(float alpha) {
   uint32_t paint;
@@ -723,6 +783,7 @@ int main(void) {
       cmocka_unit_test(a_lamp_below_the_sky_loses_no_light),
       cmocka_unit_test(no_ray_takes_the_mean_of_a_cell_that_the_sun_reaches_in_part),
       cmocka_unit_test(lines_of_sunlight_are_neither_lost_nor_doubled),
+      cmocka_unit_test(a_dim_room_has_no_more_noise_than_its_bright_neighbour),
       cmocka_unit_test(gathers_beside_a_dark_surfel_keep_their_light),
       cmocka_unit_test(a_pane_takes_its_opacity_from_the_light),
       cmocka_unit_test(without_surfels_rays_go_on_from_surface_to_surface),

@@ -34,7 +34,7 @@ uniform int olx_layer;         // what is shown, and computed: 0 the picture, 1 
 uniform mat4 projectionMatrix;
 #endif
 // Least cosines of a shading normal: to the triangle's normal, and to the direction of the eye.
-const float OLX_LEAST_NORMAL_COSINE = 0.01, OLX_LEAST_VIEW_COSINE = 1e-3;
+const float OLX_LEAST_NORMAL_COSINE = 0.01;
 vec3 olx_shown = vec3(0.0);
 
 // The point of a sequence that a pixel draws, as \`octalux render\` draws it.

@@ -11,6 +11,7 @@
 #include "scene/bvh.h"
 #include "tiny_scenes.h"
 
+#include <octalux/limits.h>
 #include <octalux/place.h>
 
 #include <unistd.h>
@@ -453,8 +454,8 @@ static void surfaces_may_be_very_far_from_small_voxels(void **state) {
 static void settings_out_of_range_are_refused(void **state) {
   (void)state;
   olx_scene *scene = load("builtin:cornell");
-  for (int i = 0; i < 10; i++) {
-    olx_place_settings s = quick_settings(scene, OLX_PLACE_COVER);
+  for (int i = 0; i < 12; i++) {
+    olx_place_settings s = quick_settings(scene, i == 10 ? OLX_PLACE_GRID : OLX_PLACE_COVER);
     if (i == 0) s.coverage = 1.5f;
     if (i == 1) s.coverage = NAN;
     if (i == 2) s.views = 0;
@@ -465,6 +466,8 @@ static void settings_out_of_range_are_refused(void **state) {
     if (i == 7) s.candidates = 0;
     if (i == 8) s.grid.count[1] = 0;
     if (i == 9) s.budget_mb = -1.0;
+    if (i == 10) s.grid = (olx_grid){.count = {OLX_PLACE_PROBES_MOST + 1, 1, 1}};
+    if (i == 11) s.grid = (olx_grid){.count = {OLX_BAKE_PROBES_MOST + 1, 1, 1}};
     olx_probe_set set;
     assert_int_equal(olx_place(scene, &s, NULL, &set), OLX_ERROR_ARGUMENT);
     assert_null(set.probes);
@@ -631,13 +634,14 @@ static void a_camera_outdoors_gets_probes_beside_one_indoors(void **state) {
   olx_scene_free(scene);
 }
 
-// A grid of more points than there may be candidates is thinned; it is not left out.
+// A grid of more points than there may be candidates, even than there may be probes, is thinned; it is neither left out
+// nor refused.
 static void a_large_grid_has_candidates(void **state) {
   (void)state;
   olx_scene *scene = made_finish(start_divided_room());
   olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   settings.count = 40;
-  ASSERT_OK(olx_scene_probe_grid(scene, (const uint32_t[3]){24, 12, 24}, &settings.grid));
+  ASSERT_OK(olx_scene_probe_grid(scene, (const uint32_t[3]){64, 24, 64}, &settings.grid));
   olx_probe_set set = place(scene, &settings);
   uint32_t of_grid = 0;
   for (uint32_t i = 0; i < set.count; i++) of_grid += set.probes[i].origin == OLX_ORIGIN_GRID;

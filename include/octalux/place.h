@@ -84,15 +84,16 @@ const char *olx_probe_origin_name(olx_probe_origin origin);
 typedef struct olx_place_settings {
   olx_place_method method; // default OLX_PLACE_COVER
   // The number of probes, including pinned ones (except with OLX_PLACE_GRID). OLX_PLACE_COVER ends at the first limit
-  // that it meets; with neither count nor budget it continues until `coverage` is reached. OLX_PLACE_SDF and
+  // that it meets; with neither count nor budget these are `coverage` and 65,536 probes. OLX_PLACE_SDF and
   // OLX_PLACE_MEDIAL form this many clusters, or fewer where the skeleton has no more; without a count, as many as make
   // clusters 0.15 diagonals wide.
-  uint32_t count;   // 1 to 65,536; 0 (the default): not limited
+  uint32_t count;   // 1 to 65,536; 0 (the default): not set
   float coverage;   // share of what can be covered, within [0, 1]; 0 (the default): 0.999, and 1 with a count or budget
   double budget_mb; // megabytes (10^6 bytes) that the field may take at `resolution` (olx_place_report.field_bytes),
                     // below 1e12; 0 (the default): not limited. OLX_PLACE_GRID keeps all its probes
   uint32_t views;   // probes that must see each surfel, 1 to 8; default 1
-  olx_grid grid;    // OLX_PLACE_GRID: positions of its probes; default: the scene's
+  olx_grid grid;    // OLX_PLACE_GRID: positions of its probes, at most 65,536; OLX_PLACE_COVER: a sixth of its
+                    // candidates. With every method it must hold 1 to 2^20 positions. Default: the scene's
   uint32_t resolution; // texels along a light field map, a power of two, 8 to 2048; default 512
   float min_cosine;    // below this cosine between surface normal and line of sight a surfel is seen at grazing angle;
                        // within [0, 1); default 0.02
@@ -103,8 +104,9 @@ typedef struct olx_place_settings {
   olx_place_reward reward;      // default OLX_REWARD_BEST
   uint32_t rounds;              // most rounds of the optimizer, 1 to 10,000; default 50; it ends when all is covered
   uint32_t surfels;    // that positions are chosen by, 64 to 1,048,576, fewer where they would take more than 256 MB;
-                       // default 14,000; in tiles, where there are 2^20 voxels of space
-  uint32_t candidates; // 16 to 16,384; default 2,000; in tiles likewise
+                       // default 14,000. A tile has as many as its share of 2^20 voxels of space, at least 256. An
+                       // optimizer uses at most 2,048
+  uint32_t candidates; // 16 to 16,384; default 2,000; a tile has a share likewise, at least 64
   // The edge of a voxel in metres, within [0, 1e6]; 0 (the default): 0.25, so that a door of one metre is open wherever
   // its frame lies, or a twelfth of the median height from floors to what is above them where that is more. Space
   // longer than 160 voxels is covered in tiles of 128^3 voxels by OLX_PLACE_COVER, and measured in such tiles for
@@ -151,7 +153,8 @@ typedef struct olx_place_report {
   uint32_t buried;         // probes inside geometry (buried), which no lookup uses
   uint32_t rejected;       // OLX_PLACE_GRID: grid points left out because of the description's overrides
   uint32_t candidates;     // number of positions that were considered
-  double coverage_before;  // what the optimizer found; by OLX_REWARD_BEST it does not give up what only one probe sees
+  double coverage_before;  // coverage before an optimizer moved probes; 0 without one. By OLX_REWARD_BEST no move gives
+                           // up a surfel that only one probe sees
   double reward_before;    // the mean reward of surfels before the optimizer, by settings.reward
   double reward_after;     // and after it, never less
   uint32_t rounds;         // of the optimizer
@@ -184,7 +187,7 @@ typedef struct olx_probe_set {
   uint32_t mark_count; // 0 unless settings.marks
   olx_place_mark
       *marks; // the skeleton (of OLX_PLACE_MEDIAL its balls, else the far voxels; none in tiles), then held-out surfels
-  olx_place_settings settings; // the settings of the placement
+  olx_place_settings settings; // those of the placement, with a budget as `count` and a coverage of 0 as its default
   olx_place_report report;
   double origin[3]; // positions are relative to it: the scene's origin
   uint64_t scene_hash;
@@ -204,10 +207,11 @@ void olx_probe_set_free(olx_probe_set *set);
 // the set alone. Positions are written in scene coordinates, in double precision.
 olx_result olx_probe_set_save(const olx_probe_set *set, const char *path);
 // Reads a file of olx_probe_set_save, or any JSON object whose "probes" is a list of objects with a "position".
-// Settings that are missing are 0, except the method, OLX_PLACE_COVER, and `views`, 1. Budget, grid and report are not
-// read and 0. Positions become relative to `origin`, the scene's (NULL: 0). Errors name the file and the element; a
-// position beyond OLX_POSITION_LIMIT_METRES is an error. On success the caller must free the set; on failure it has no
-// probes.
+// Settings that are missing are 0, except the method, OLX_PLACE_COVER, and `views`, 1; a missing origin of a probe is
+// OLX_ORIGIN_PINNED. Budget, grid and report are not read and 0. Positions become relative to `origin`, the scene's
+// (NULL: 0). Errors name the file and the element: OLX_ERROR_FORMAT for a file without probes or with a position beyond
+// OLX_POSITION_LIMIT_METRES, OLX_ERROR_VERSION for another version of the format. On success the caller must free the
+// set; on failure it has no probes.
 olx_result olx_probe_set_load(const char *path, const double origin[3], olx_probe_set *set);
 
 #pragma GCC visibility pop

@@ -72,22 +72,24 @@ olx_place_settings olx_place_settings_default(const olx_scene *scene) {
                                  .surfels = 14000,
                                  .candidates = 2000,
                                  .refinements = 8};
-  // The scene's own counts are always in range.
+  // A grid with the scene's own counts always exists.
   if (scene) (void)olx_scene_probe_grid(scene, NULL, &settings.grid);
   return settings;
 }
 
 static bool is_within(uint32_t value, uint32_t low, uint32_t high) { return value >= low && value <= high; }
 
-static olx_result check_grid(const olx_grid *grid) {
+// A grid of which only a part become candidates may be as large as that of a bake.
+static olx_result check_grid(const olx_place_settings *s) {
+  const olx_grid *grid = &s->grid;
+  const uint32_t most = s->method == OLX_PLACE_GRID ? OLX_PLACE_PROBES_MOST : OLX_BAKE_PROBES_MOST;
   const uint64_t plane = (uint64_t)grid->count[0] * grid->count[1];
-  if (plane > 0 && plane <= OLX_PLACE_PROBES_MOST &&
-      is_within(grid->count[2], 1, (uint32_t)(OLX_PLACE_PROBES_MOST / plane)) && olx_is_position(grid->origin) &&
-      olx_is_position(olx_grid_position(grid, (uint32_t)plane * grid->count[2] - 1))) {
+  if (plane > 0 && plane <= most && is_within(grid->count[2], 1, (uint32_t)(most / plane)) &&
+      olx_is_position(grid->origin) && olx_is_position(olx_grid_position(grid, (uint32_t)plane * grid->count[2] - 1))) {
     return OLX_OK;
   }
   return olx_fail(OLX_ERROR_ARGUMENT, "place: a grid of %u x %u x %u: it must hold 1 to %u probes within 2e7 m",
-                  grid->count[0], grid->count[1], grid->count[2], OLX_PLACE_PROBES_MOST);
+                  grid->count[0], grid->count[1], grid->count[2], most);
 }
 
 static olx_result check_ranges(const olx_place_settings *s) {
@@ -136,7 +138,7 @@ static olx_result check_settings(const olx_place_settings *s) {
   }
   OLX_TRY(check_ranges(s));
   OLX_TRY(check_resolution(s->resolution));
-  return check_grid(&s->grid);
+  return check_grid(s);
 }
 
 // Converts the budget to a count, except for a grid, which ignores it, and replaces a coverage of 0 by its default.

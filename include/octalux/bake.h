@@ -84,9 +84,10 @@ typedef struct olx_bake_settings {
   olx_grid grid;          // grid of light field probes; olx_bake_settings_default sets it to the scene's grid
   const olx_vec3 *probes; // light field probes anywhere instead of on `grid`, metres; the caller's; default NULL
   uint32_t probe_count;   // of `probes`, 1 to 2^20
-  uint32_t select_mask;   // bit (1 << olx_select) for each structure to bake in (octalux/field.h); 0 for the best:
-                          // cage for a grid, bricks for `probes`. Bricks are always baked with up to 65535 probes,
-                          // the most for voronoi and octree too. The cage needs the grid. Default 0
+  uint32_t select_mask;   // bit (1 << olx_select) for each structure to bake in (octalux/field.h), besides bricks,
+                          // which are always baked with up to 65,535 probes; 0, the default: the cage for a grid.
+                          // The cage needs the grid. With more probes bricks, voronoi and octree are refused
+                          // (OLX_ERROR_ARGUMENT), and `probes` without them are searched one by one
   uint32_t radiance_size; // texels along a side: a power of two, 8 to 2048; default 512
   // Also store light as probes see it (McGuire et al. 2017): the radiance that each light field probe saw (section 3),
   // and irradiance probes with filtered visibility (section 5.2). OLX_HITS_STORED, OLX_DIFFUSE_IRRADIANCE and
@@ -146,7 +147,8 @@ typedef struct olx_bake_stats {
   uint64_t rays;                        // primary, shadow and bounce rays together; where rays are kept for bakes of
                                         // the edited scene, with those that texels gather light by
   uint64_t primary_rays;                // of the light field probes
-  double seconds;                       // everything except writing the file
+  double seconds;                       // everything except writing the file, measuring the memory that a limit needs,
+                                        // and measure_embree
   double light_seconds;                 // of `seconds`, for solving the light of the scene
   double irradiance_seconds;            // of `seconds`, for irradiance probes
   double capture_seconds;               // of `seconds`, for what light field probes see
@@ -158,12 +160,12 @@ typedef struct olx_bake_stats {
   double volume_unserved; // share of surfaces in sight of light field probes, by solid angle, where it has no cell
   double volume_seconds;  // of `seconds`, for the volume
   double write_seconds;
-  double classic_seconds; // of `seconds`, for classic maps
-  double relight_seconds; // of `seconds`, for the data for relighting
-  double embree_seconds;  // of the same primary rays with ray casting alone; 0 unless measured
-  double raster_seconds;  // of capture_seconds, for rasterising cube maps; 0 without a raster
-  uint64_t raster_rays;   // primary rays that were cast although there was a raster
-  uint64_t peak_memory_bytes;
+  double classic_seconds;     // of `seconds`, for classic maps
+  double relight_seconds;     // of `seconds`, for the data for relighting
+  double embree_seconds;      // of the same primary rays with ray casting alone; 0 unless measured
+  double raster_seconds;      // of capture_seconds, for rasterising cube maps; 0 without a raster
+  uint64_t raster_rays;       // primary rays that were cast although there was a raster
+  uint64_t peak_memory_bytes; // the most that the process has held since it began, with the scene and all of the host
   uint64_t file_bytes;
   uint32_t buried, irradiance_buried;
   double unseen; // OLX_GATHER_TRACED: share of rays that met a surface which no probe nearby sees; they bring no light
@@ -179,10 +181,11 @@ typedef struct olx_bake_sizes {
                        // fine surfaces, up to a third of a byte a texel in the measured scenes and 8 at most, and
                        // blocks of tiles of surfaces, 1.1 to 2.1 bytes in the measured scenes and 3.5 at most
   uint64_t expected_bytes; // file_bytes plus an estimate of what it does not include, from what a sample of texels sees
-                           // (docs/baking.md, "What a bake takes"): mostly within 5 % of the file, but without other
+                           // (docs/baking.md, "What a bake takes"): mostly within 6 % of the file, but without other
                            // selectors than the cage and bricks, and without the data for relighting
-  uint64_t device_bytes;   // of the file on a Vulkan device, with the blocks that are expected, before alignment; 0 for
-                           // irradiance as spherical harmonics
+  uint64_t device_bytes; // of the file on a Vulkan device that reads blocks, before alignment; with `relight` surfaces
+                         // take 14 bytes a texel there instead, which are not included. 0 for irradiance as
+                         // spherical harmonics
   uint64_t memory_bytes; // the bake's most at once, without the scene, structures of selectors, and surfels with their
                          // links (olx_bake_stats.light_bytes)
   uint64_t link_bytes;   // the most for links between surfels; most scenes need less. 0 with OLX_LIGHT_REFERENCE
@@ -219,8 +222,9 @@ olx_result olx_bake_measure_memory(const olx_scene *scene, const olx_bake_settin
                                    const olx_progress *progress, olx_bake_memory *memory);
 
 // Estimates how long the bake would take on this machine under its present load, without writing the file and without
-// building selectors. Bakes at most eight probes of each kind to a temporary file, and extrapolates. docs/baking.md
-// gives the error of the estimate.
+// what selectors of all probes take. Bakes at most eight probes of each kind twice, to a temporary file in $TMPDIR,
+// else in /tmp, and extrapolates; so progress runs from 0 to 1 twice. `work` and memory_limit_bytes are ignored. Errors
+// as of olx_bake, but a bake that is too large for the machine has an estimate, too. docs/baking.md gives its error.
 olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_settings *settings,
                                      const olx_progress *progress, double *seconds);
 
@@ -233,11 +237,11 @@ olx_result olx_bake_estimate_seconds(const olx_scene *scene, const olx_bake_sett
 // With a work folder, a bake continues where another one of the same scene, settings, build and machine stopped.
 // OLX_ERROR_ARGUMENT when the folder belongs to another bake, and OLX_ERROR_FILE when it is not a work folder or is in
 // use. A damaged result is named in a warning and computed again. One that cannot be read now is kept, and is computed
-// again or ends the bake with OLX_ERROR_FILE. A part writes no field (`path` is ignored and may be NULL) and never
-// waits: it returns OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of other parts are
-// missing; call it again then. Any number of parts may run at once, of any `parts`, more than once; meanwhile a whole
-// bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with bounces between
-// irradiance probes, which cannot be stored.
+// again or ends the bake with OLX_ERROR_FILE. A part writes no field (`path` is ignored and may be NULL) and without
+// work.wait does not wait: it returns OLX_OK when nothing is left to compute, and OLX_ERROR_INCOMPLETE when units of
+// other parts are missing; call it again then. Any number of parts may run at once, of any `parts`, more than once;
+// meanwhile a whole bake is refused where the file system has locks. OLX_ERROR_UNSUPPORTED for classic maps with
+// bounces between irradiance probes, which cannot be stored.
 olx_result olx_bake(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                     const olx_progress *progress, olx_bake_stats *stats);
 
@@ -248,7 +252,7 @@ olx_result olx_bake_prepare(const olx_scene *scene, const olx_bake_settings *set
 
 // Writes the field of a work folder that has all units, without the scene. The folder is removed unless `keep`.
 // OLX_ERROR_INCOMPLETE when units are missing, OLX_ERROR_CHECKSUM when one is damaged, OLX_ERROR_ARGUMENT when another
-// build of Octalux computed them. Sets only those members of *stats that are known without baking; stats may be NULL.
+// build of Octalux computed them. Members of *stats that are not known without baking become 0; stats may be NULL.
 olx_result olx_bake_join(const char *folder, const char *path, bool keep, const olx_progress *progress,
                          olx_bake_stats *stats);
 

@@ -1,7 +1,8 @@
 // Octalux: results, vectors, hooks and progress, shared by every other public header.
 //
 // Threads: every function of Octalux may be called from any thread. A handle (olx_field, olx_scene, ...) that is not
-// being created or destroyed may be read by any number of threads at once. The last message is kept per thread.
+// being created or destroyed may be read by any number of threads at once; relighters and the objects of
+// octalux/vulkan.h have stricter rules, which their headers state. The last message is kept per thread.
 //
 // Pointers may be NULL only where this is said, and arrays where they have no elements. A structure of settings begins
 // as its ..._default function returns it; zeros are other settings, and some of them are refused.
@@ -64,14 +65,16 @@ typedef struct olx_vec3 {
   float x, y, z;
 } olx_vec3;
 
-// No position may have a coordinate farther than this from 0: positions beyond are refused, or left out of a scene with
-// a warning. Scenes far from 0 store their positions relative to an origin of their own (octalux/scene.h).
+// The most that a coordinate of scenes, lights, cameras, placed probes and bakes may differ from 0, in metres:
+// positions beyond are refused, or left out of a scene with a warning. Fields and functions that sample them have no
+// such limit. Scenes far from 0 store their positions relative to an origin of their own (octalux/scene.h).
 #define OLX_POSITION_LIMIT_METRES 2e7
 
 typedef enum olx_log_level { OLX_LOG_INFO = 0, OLX_LOG_WARNING = 1, OLX_LOG_ERROR = 2 } olx_log_level;
 
 // Hooks by which a host replaces what the library takes from the system. A NULL member keeps the default; when
-// `allocate` or `release` is NULL, both do. Hooks are called from any thread, and from several at once.
+// `allocate` or `release` is NULL, both do. Hooks are called from any thread, and from several at once. The libraries
+// that liboctalux-bake links (Embree, importers, zlib, zstd) still allocate their own memory.
 typedef struct olx_hooks {
   void *user; // passed to every hook
 
@@ -79,7 +82,8 @@ typedef struct olx_hooks {
   void *(*allocate)(void *user, size_t size_bytes);
   void (*release)(void *user, void *memory);
 
-  // Messages, one line without newline. Default: warnings and errors to standard error.
+  // Messages, one line without newline, cut to 1,023 bytes like those of olx_last_error. Default: warnings and errors
+  // to standard error.
   void (*log)(void *user, olx_log_level level, const char *message);
 
   // Run job(job_user, i) for every i in [0, count), in any order and on any threads, and return when all have finished.
@@ -107,23 +111,26 @@ typedef struct olx_progress {
 // printable already.
 void olx_printable(const char *text, char *printable, size_t size_bytes);
 
-// Runs work(user) on the calling thread, with `progress` for all calls of Octalux in it on this thread: calls that take
-// no progress themselves (loading and cooking a scene, comparing images) then end with OLX_ERROR_CANCELLED soon after
-// `report` has returned false. `stage` is the reported name. Returns the result of `work`. Importers' libraries are not
-// interrupted.
+// Runs work(user) on the calling thread, and reports to `progress` during those of its calls on this thread that take
+// no progress themselves (loading and cooking a scene, comparing images). These end with OLX_ERROR_CANCELLED soon after
+// `report` has returned false. The reported share is always 0, because nobody knows how much work there is; `stage` is
+// the reported name. Calls that take a progress should be given one of their own, because this one does not reach into
+// all of their work. Returns the result of `work`. Importers' libraries are not interrupted.
 olx_result olx_watch(const olx_progress *progress, const char *stage, olx_result (*work)(void *user), void *user);
 
 // Outputs. A regular file is written to a temporary file in its folder, which is synced and renamed when it is
 // complete, so that no reader ever sees a part of it and a killed program leaves the old one. Links are followed: the
 // file to which they lead is replaced, with its owner and mode where that is permitted. Formats that are written in
 // order (JSON, PNG, HTML, glTF, KTX2, gzip, .olxs) may also go to character devices, to pipes, and, by the name "-", to
-// standard output; folders, block devices and sockets are refused.
+// standard output; folders, block devices and sockets are refused. A build for no particular system
+// (-DOCTALUX_SYSTEM=plain) refuses all outputs with OLX_ERROR_UNSUPPORTED.
 
 // Checks before long work whether an output could be written at `path`: returns OLX_OK, or OLX_ERROR_FILE with the
 // reason in olx_last_error.
 olx_result olx_output_check(const char *path, bool in_order);
 
-// Returns whether both paths lead to the same regular file, by device and inode.
+// Returns whether both paths lead to the same regular file, by device and inode; in a build for no particular system,
+// whether the paths are the same text.
 bool olx_same_file(const char *a, const char *b);
 
 // Writes a whole output in order.

@@ -39,11 +39,11 @@ typedef struct olx_packed_info {
   olx_packed_chunk chunks[OLX_PACKED_MOST_CHUNKS];
 } olx_packed_info;
 
-// Packs the field at `field_path` into `path`, through a temporary file that is synced and renamed. Checks every
-// checksum of the field first. The bytes depend only on the field, the level and the version of zstd. Takes some 20 MiB
-// of memory a thread, whatever the field's size. OLX_ERROR_ARGUMENT for settings out of range, OLX_ERROR_UNSUPPORTED
-// for a field with more chunks than OLX_PACKED_MOST_CHUNKS, and the errors of olx_field_open and olx_field_verify for a
-// damaged field. `info` may be NULL.
+// Packs the field at `field_path` into `path`, through a temporary file that is synced and renamed. Verifies the
+// checksum of each chunk, but not what maps hold (olx_field_verify); after a failure `path` is as before. The bytes
+// depend only on the field, the level and the version of zstd. Takes some 20 MiB of memory a thread, whatever the
+// field's size. OLX_ERROR_ARGUMENT for settings out of range, OLX_ERROR_UNSUPPORTED for a field with more chunks than
+// OLX_PACKED_MOST_CHUNKS, and the errors of olx_field_open for a damaged field. `info` may be NULL.
 olx_result olx_field_pack(const char *field_path, const olx_pack_settings *settings, const char *path,
                           const olx_progress *progress, olx_packed_info *info);
 

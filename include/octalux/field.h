@@ -44,7 +44,7 @@ typedef enum olx_irradiance_form {
 // Returns a form's name: "octahedral", "sh2" or "sh3".
 const char *olx_irradiance_form_name(olx_irradiance_form form);
 
-// A regular grid of probes. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and the position
+// A regular grid of probes, in metres. Probe (x, y, z) has index x + count[0] * (y + count[1] * z) and the position
 // origin + (x, y, z) * spacing. spacing is 0 along an axis with one probe.
 typedef struct olx_grid {
   olx_vec3 origin;
@@ -100,8 +100,8 @@ typedef struct olx_relight_info {
 // The light in a field's maps.
 typedef struct olx_bounces_info {
   uint32_t count; // --bounces of the bake: light in the maps is direct light and this many further bounces
-  float last; // share of the indirect light at texels that has count + 1 surfaces between emitter and texel, 0 to 1:
-              // rays leave it out where they end, since surfaces that they light add one; 0 when not known
+  float last; // share of the indirect light at texels that has count + 1 surfaces between emitter and texel, 0 to 1. It
+              // is left out where rays end, because the surface that a ray lights is one more; 0 when not known
 } olx_bounces_info;
 
 // The scene of which a field was baked.
@@ -143,10 +143,12 @@ typedef struct olx_field_info {
 } olx_field_info;
 
 // Maps a field file into memory and checks its structure: every offset and size, and the checksums of header, chunk
-// table and description, but not the maps (olx_field_verify). On success the caller must close *field; on failure it is
-// NULL. Takes milliseconds for maps of any size; the data for relighting is read in full. Until the field is closed
-// nothing may shorten or change the file in place; replacing it by another file, as every output of Octalux does, is
-// safe.
+// table and description, but not the maps (olx_field_verify). OLX_ERROR_FILE when it cannot be read, OLX_ERROR_FORMAT
+// or OLX_ERROR_CHECKSUM when it is damaged, OLX_ERROR_VERSION for another version of the format, OLX_ERROR_UNSUPPORTED
+// for a packed field (octalux/export.h) and for contents that this build does not know. On success the caller must
+// close *field; on failure it is NULL. Takes milliseconds for maps of any size; the data for relighting is read in
+// full. Until the field is closed nothing may shorten or change the file in place; replacing it by another file, as
+// every output of Octalux does, is safe.
 olx_result olx_field_open(const char *path, olx_field **field);
 
 // Opens a field file that is already in memory, 64-byte aligned (else OLX_ERROR_ARGUMENT), like olx_field_open; `data`

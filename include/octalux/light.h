@@ -19,12 +19,12 @@ typedef enum olx_light_type {
   OLX_LIGHT_SKY       // the same radiance from wherever a ray meets nothing
 } olx_light_type;
 
-// The greatest emission of a light or of a surface, in any of the units below. Sums and squares of light beyond it could
-// overflow.
+// The greatest emission of a light or of a surface, in any of the units below. Sums and squares of light beyond it
+// could overflow.
 #define OLX_MOST_EMISSION 1e20f
 
-// A light. There are no defaults: all members that its type uses must be set. The others have no meaning and must be
-// finite; 0 will do.
+// A light. There are no defaults: all members that its type uses must be set. The others have no meaning but must be
+// finite, and positions within OLX_POSITION_LIMIT_METRES; 0 will do.
 typedef struct olx_light {
   olx_light_type type;
   olx_vec3 position;  // metres; of point and spot; a corner of rect and triangle

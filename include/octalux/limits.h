@@ -1,6 +1,6 @@
 // The least and the greatest values of settings. Every function that takes a setting checks it against these and
-// returns OLX_ERROR_ARGUMENT beyond them. The command line's options have the same limits, and so have the values in
-// files.
+// returns OLX_ERROR_ARGUMENT beyond them. The command line's options have the same limits, and so have the sizes of
+// maps in field files.
 //
 // SPDX-License-Identifier: MIT
 #ifndef OCTALUX_LIMITS_H
@@ -20,7 +20,7 @@ enum {
   OLX_CLASSIC_SHARPNESS_MOST = 65536
 };
 
-// Bakes (octalux/bake.h). Settings without a least value here may be 0.
+// Bakes (octalux/bake.h). Settings without a least value here may be 0, except numbers of probes.
 enum {
   OLX_BAKE_PROBES_MOST = 1 << 20, // of each kind
   OLX_SAMPLES_LEAST = 1,

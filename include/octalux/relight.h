@@ -64,7 +64,9 @@ olx_result olx_relight_create(const olx_field *field, const olx_relight_settings
 void olx_relight_free(olx_relight *relight);
 
 // Sets all lights from now on, at most 256, which are copied. They replace the lights of the bake and those of earlier
-// calls. Previous light stays until it is replaced. Rays of point and spot lights, at most 256 of each, are traced
+// calls. Before the first call nothing waits, and the field has the light of the bake; no lights (count 0) make it
+// dark. Previous light stays until it is replaced. With more than 64 suns, points and spots, rays find no single
+// highlights of them where they end (docs/maths.md). Rays of point and spot lights, at most 256 of each, are traced
 // through the field to find the surfaces near them. OLX_ERROR_ARGUMENT, with a message, for too many lights and for a
 // light out of range (octalux/light.h), OLX_ERROR_MEMORY when memory runs out; the lights then stay as they were.
 olx_result olx_relight_set_lights(olx_relight *relight, const olx_light *lights, uint32_t count);
@@ -86,7 +88,8 @@ typedef struct olx_relight_stats {
 olx_result olx_relight_frame(olx_relight *relight, olx_vec3 eye, olx_relight_stats *stats);
 
 // Returns the field with its present light, for octalux/sample.h and octalux/render.h. It belongs to the relighter,
-// must not be closed, and changes with olx_relight_frame and olx_relight_set_lights.
+// must not be closed, and changes with olx_relight_frame and olx_relight_set_lights. Once frames run on a device
+// (octalux/vulkan.h, olx_vulkan_relight_create), only its list of lights still changes.
 const olx_field *olx_relight_field(const olx_relight *relight);
 
 // The state of a light field probe in the schedule.

@@ -35,22 +35,23 @@ const char *olx_layer_name(olx_layer layer);
 typedef struct olx_image {
   uint32_t width, height;
   olx_vec3 *layers[OLX_LAYER_COUNT];
-  // How often the indirect light has left surfaces before the visible one: OLX_BOUNCES_INFINITE (octalux/scene.h) or a
-  // count, when known.
-  // For a field it is one more than the field's, because the picture adds a reflection. EXR files store it
-  // ("octaluxBounces").
+  // The most surfaces that reflected indirect light before it reached the visible one: OLX_BOUNCES_INFINITE
+  // (octalux/scene.h) or a count, when known. For a field it is one more than the field's, because the picture adds a
+  // reflection. EXR files store it ("octaluxBounces").
   bool bounces_known;
   uint32_t bounces;
 } olx_image;
 
 // Allocates an image of 1 to 16384 pixels a side with the layers whose bits (1 << olx_layer) are set, filled with zero.
-// On success the caller must free it, on failure it has no layers; so it is with all functions that make images.
+// On success the caller must free it, on failure it has no layers. The same holds for every function that makes an
+// image.
 olx_result olx_image_create(uint32_t width, uint32_t height, uint32_t layer_mask, olx_image *image);
 // Releases the layers; the caller owns the struct itself.
 void olx_image_free(olx_image *image);
 
 // Writes `path` by its extension, .exr (all layers, linear float) or .png (beauty, tone-mapped), through a temporary
-// file that is synced and renamed. OLX_ERROR_ARGUMENT for another extension.
+// file that is synced and renamed. OLX_ERROR_ARGUMENT for another extension, and for a .png of an image without
+// beauty.
 olx_result olx_image_save(const olx_image *image, const char *path);
 // Writes one layer as .png, tone-mapped with `exposure`, above 0 (1: unchanged). OLX_ERROR_ARGUMENT for a layer that
 // the image lacks.
@@ -89,7 +90,8 @@ typedef struct olx_diagram_settings {
 } olx_diagram_settings;
 
 // Writes a .png of the scene's triangles, dim and flat, with the marks over them; marks behind a surface are fainter.
-// *drawn receives the number of marks within the picture. Written through a temporary file that is synced and renamed.
+// *drawn, not NULL, receives the number of marks within the picture. Written through a temporary file that is synced
+// and renamed.
 olx_result olx_diagram_save(const olx_scene *scene, const olx_diagram_settings *settings, const char *path,
                             uint32_t *drawn);
 
@@ -119,11 +121,11 @@ typedef struct olx_render_settings {
                              // are not traced but take irradiance: that of surfaces with OLX_DIFFUSE_SURFACE and in
                              // fields without probe light, else that of irradiance probes; default 0 (section 6).
                              // With sample.emitters no lobe is dim: its rays find emitters, which irradiance leaves out
-  bool centered;             // all camera samples of a pixel go through its centre
-  olx_denoise_settings denoise; // for olx_render_frames
-  bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR
+  bool centered;             // all camera samples of a pixel go through its centre; default false
+  olx_denoise_settings denoise; // for olx_render_frames; default olx_denoise_settings_default()
+  bool standard_error;       // also fill OLX_LAYER_STANDARD_ERROR, with 0 where spp is 1; default false
   uint32_t threads;          // 0: as many as the machine has; the image does not depend on it
-  olx_sample_settings sample; // field: tracer, selector, visibility
+  olx_sample_settings sample; // field: tracer, selector, visibility; default olx_sample_settings_default()
 } olx_render_settings;
 
 olx_render_settings olx_render_settings_default(olx_method method);
@@ -191,8 +193,9 @@ typedef struct olx_metrics {
 // every image does for one that does not exist; OLX_ERROR_FORMAT, naming the pixel, when a value is not finite. Depth
 // that is infinite in both images is left out.
 olx_result olx_compare(const olx_image *a, const olx_image *b, olx_layer layer, olx_metrics *metrics);
-// Writes a picture of |a - b| over the reference's mean (both averaged over channels), from black to yellow by its
-// square root, with the scale from 0 to 100 % at the right. Fails as olx_compare does.
+// Writes a .png of |a - b| over the reference's mean (both averaged over channels), from black to yellow by its square
+// root, with the scale from 0 to 100 % at the right, which makes it 60 pixels wider than the images. Fails as
+// olx_compare does.
 olx_result olx_compare_heatmap(const olx_image *a, const olx_image *b, olx_layer layer, const char *path);
 
 // Returns whether a layer shows colours: every existing layer except normal and depth.

@@ -86,14 +86,14 @@ typedef struct olx_trace_hit {
 } olx_trace_hit;
 
 // Traces the ray from `origin` (metres) along the unit vector `direction` to its first hit within t_max_metres, above 0
-// (INFINITY for no limit). Other numbers give OLX_TRACE_UNKNOWN without asking a probe. McGuire et al. section 4,
-// Listing 1.
+// (INFINITY for no limit). An origin that is not finite, a direction that is far from a unit vector, and any other
+// limit give OLX_TRACE_UNKNOWN, and no probe is asked. McGuire et al. section 4, Listing 1.
 olx_trace_hit olx_trace(const olx_field *field, const olx_sample_settings *settings, olx_vec3 origin,
                         olx_vec3 direction, float t_max_metres);
 
-// Traces `count` rays at once: hits[i] equals the result of olx_trace for origins[i] and directions[i] to the last bit,
-// and takes no longer than these: a field with bricks traces 16 rays and more side by side, which is fastest for rays
-// that start near each other in similar directions, and fewer rays one after the other.
+// Traces `count` rays at once: hits[i] equals the result of olx_trace for origins[i] and directions[i] to the last bit.
+// In a field with bricks, 16 rays and more are traced side by side, which is fastest for rays that start near each
+// other in similar directions; fewer rays are traced one after the other.
 void olx_trace_rays(const olx_field *field, const olx_sample_settings *settings, uint32_t count,
                     const olx_vec3 *origins, const olx_vec3 *directions, float t_max_metres, olx_trace_hit *hits);
 

@@ -24,13 +24,13 @@ typedef struct olx_scene olx_scene;
 
 typedef struct olx_camera {
   char name[64];
-  olx_vec3 eye, target, up;
-  float fov_y_degrees; // vertical field of view, above 0 and below 180
+  olx_vec3 eye, target, up; // metres; `up` need be neither a unit vector nor perpendicular to the line of sight
+  float fov_y_degrees;      // vertical field of view, above 0 and below 180
 } olx_camera;
 
 typedef struct olx_scene_info {
   uint64_t triangles, vertices;
-  // Lights are those without area, and materials in use that emit.
+  // `lights` counts lights without area and materials in use that emit, but not the environment.
   uint32_t materials, textures, lights, cameras;
   uint32_t warnings; // number of elements skipped or clamped at import
   double origin[3];  // in scene coordinates, metres
@@ -81,9 +81,9 @@ typedef struct olx_scene_load_settings {
 olx_scene_load_settings olx_scene_load_settings_default(void);
 
 // Loads `name`: "builtin:NAME", or the path of a .gltf, .glb, .obj, .json or .olxs file. A model to which a description
-// refers is searched for beside it and in each folder of the environment variable OCTALUX_SCENES. On success the caller
-// must free *scene, on failure it is NULL. OLX_ERROR_UNSUPPORTED for another kind of name, OLX_ERROR_ARGUMENT for a
-// built-in scene that does not exist, OLX_ERROR_EMPTY when there are no triangles.
+// refers is searched for beside it and in each folder, separated by ':', of the environment variable OCTALUX_SCENES. On
+// success the caller must free *scene, on failure it is NULL. OLX_ERROR_UNSUPPORTED for another kind of name,
+// OLX_ERROR_ARGUMENT for a built-in scene that does not exist, OLX_ERROR_EMPTY when there are no triangles.
 olx_result olx_scene_load(const char *name, olx_scene **scene);
 // Loads a scene by `settings`; NULL means the defaults. OLX_ERROR_UNSUPPORTED also when a limit was exceeded, or a file
 // lies outside the allowed folders.
@@ -92,7 +92,9 @@ olx_result olx_scene_load_with(const char *name, const olx_scene_load_settings *
 // Writes a whole scene as one .olxs file (docs/cooked.md), through a temporary file that is synced and renamed. It
 // loads fast, has the same hash, and gives the same bakes and pictures to the last bit. file_bytes may be NULL.
 olx_result olx_scene_cook(const olx_scene *scene, const char *path, uint64_t *file_bytes);
-// Loads an .olxs file. A program that loads scenes only by this call needs Embree, but no importer's library.
+// Loads an .olxs file, with the default limits. A program that loads scenes only by this call needs Embree, but no
+// importer's library. On success the caller must free *scene, on failure it is NULL. OLX_ERROR_FORMAT or
+// OLX_ERROR_CHECKSUM for a damaged file, OLX_ERROR_VERSION for another version of the format.
 olx_result olx_scene_load_cooked(const char *path, olx_scene **scene);
 
 // Returns whether `path` leads to one of the files from which the scene was read (its description, models, buffers,
@@ -127,7 +129,7 @@ const char *olx_builtin_name(uint32_t index);
 
 // Converts the scene's lights for a relighter: at most `most` of them, rectangles and other emissive surfaces as
 // triangles with the emission at their middles, the environment as a sky. *count receives the number of all lights.
-// OLX_ERROR_UNSUPPORTED when there are more than `most`, or an image as environment.
+// OLX_ERROR_UNSUPPORTED when there are more than `most`, or an image as environment. A relighter takes 256.
 olx_result olx_scene_relight_lights(const olx_scene *scene, olx_light *lights, uint32_t most, uint32_t *count);
 
 // Implements olx_occlusion; `scene` is the olx_scene whose triangles are tested.
@@ -140,7 +142,7 @@ void olx_scene_occlusion(void *scene, const olx_shadow_ray *rays, uint32_t count
 // The number of bounces that means all light.
 #define OLX_BOUNCES_INFINITE UINT32_MAX
 
-// A texture of 8-bit RGBA texels, rows from v = 0 upwards as in glTF. It repeats beyond 0 to 1.
+// A texture of 8-bit RGBA texels. Row 0 begins at v = 0, the top of an image in glTF. It repeats beyond 0 to 1.
 typedef struct olx_texture {
   uint32_t width, height;
   uint8_t *texels;
@@ -184,11 +186,11 @@ typedef struct olx_environment {
   olx_vec3 radiance; // constant part; with an image, its gain in each channel
   uint32_t width, height;
   float *texels; // RGB, latitude-longitude, row 0 at +y; column 0 begins at -x, the middle is +x; NULL without image
-  float rotation_radians;
+  float rotation_radians; // added to the azimuth of a direction, atan2(z, x), before the image is looked up
 } olx_environment;
 
-// The triangles and all else of a scene. Every triangle is visible, and blocks light, from both sides; the order of its
-// corners defines its front, the side that emits.
+// The triangles and all else of a scene. Every triangle is visible, and blocks light, from both sides, as far as its
+// material is opaque; the order of its corners defines its front, the side that emits.
 typedef struct olx_scene_content {
   uint32_t vertex_count, triangle_count, material_count, texture_count, light_count, camera_count;
   const olx_vec3 *positions, *normals; // one a vertex; normals are unit vectors where a triangle uses them

@@ -53,8 +53,9 @@ typedef struct olx_vulkan_host {
   // VK_NULL_HANDLE: none.
   VkPipelineCache pipeline_cache;
   // Whether the device was created with the feature textureCompressionBC. It then holds light and material in the
-  // field's blocks; otherwise blocks are decoded: light to four times its bytes, base colour to eight times, roughness
-  // and reflectance to twice (octalux/field.h, olx_field_info.maps.compressed).
+  // field's blocks, except of a field with data for relighting, which writes texels. There, and without the feature,
+  // blocks are decoded: light to four times its bytes, base colour to eight times, roughness and reflectance to twice
+  // (octalux/field.h, olx_field_info.maps.compressed).
   bool texture_compression_bc;
 } olx_vulkan_host;
 
@@ -114,7 +115,8 @@ enum {
 // The host's images, all of one size. Inputs need VK_IMAGE_USAGE_SAMPLED_BIT and one of these formats: 1, 2 or 4
 // channels of 8 or 16 bits as UNORM, or of 16 or 32 bits as SFLOAT; 4 channels of 8 bits as SRGB, or of 8 or 16 bits in
 // the order RGBA as SNORM; 10-bit UNORM; B10G11R11; or any with depth. Outputs need VK_IMAGE_USAGE_STORAGE_BIT, format
-// VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run.
+// VK_FORMAT_R16G16B16A16_SFLOAT, and layout GENERAL while passes run. All images but the optional ones are required,
+// whatever `passes` names: OLX_ERROR_ARGUMENT without one of them.
 typedef struct olx_vulkan_targets {
   uint32_t width, height;     // 1 to 16384
   olx_vulkan_image depth;     // as the host's projection gives it; .r
@@ -243,6 +245,7 @@ olx_result olx_vulkan_record_denoise(const olx_vulkan_frame *frame, VkCommandBuf
 
 // Bits for what the composite pass adds to targets.color.
 enum { OLX_VULKAN_ADD_DIFFUSE = 1, OLX_VULKAN_ADD_GLOSSY = 2 };
+// Records the sum: adds the indirect light that `add` names to targets.color. OLX_ERROR_ARGUMENT for other bits.
 olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandBuffer commands,
                                        const olx_vulkan_view *view, const olx_vulkan_settings *settings, uint32_t add);
 
@@ -251,8 +254,8 @@ olx_result olx_vulkan_record_composite(const olx_vulkan_frame *frame, VkCommandB
 typedef struct olx_vulkan_classic olx_vulkan_classic;
 
 // Copies the classic maps of `field` to the device of `uploaded`, which was created from it, and creates the pass.
-// OLX_ERROR_ARGUMENT when the field was baked without them. On success the caller must destroy *classic, before the
-// field; on failure it is NULL.
+// OLX_ERROR_ARGUMENT when the field was baked without them. On success the caller must destroy *classic, before
+// `uploaded`; on failure it is NULL.
 olx_result olx_vulkan_classic_create(olx_vulkan_field *uploaded, const olx_field *field, olx_vulkan_classic **classic);
 // Destroys classic maps. NULL is allowed.
 void olx_vulkan_classic_destroy(olx_vulkan_classic *classic);
@@ -319,14 +322,14 @@ olx_vulkan_relight_settings olx_vulkan_relight_settings_default(void);
 olx_result olx_vulkan_relight_measure(olx_vulkan_field *uploaded, olx_relight *relight,
                                       const olx_vulkan_relight_settings *settings, olx_vulkan_sizes *sizes);
 
-// Takes over the frames of a relighter that has not run any: its light is copied to the device, and olx_relight_frame
-// fails from then on. The relighter still owns lights and settings: budgets, samples, sleep. `uploaded` was created
-// from the relighter's field or from that field's source; both must outlive this object. OLX_ERROR_ARGUMENT, with a
-// message, for settings out of range, another field, a relighter that has run frames or has an occlusion function
-// (shadow rays are traced through the field). OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20
-// bytes for each texel that a frame lights would exceed a storage buffer of the device. Submits to the queue and waits,
-// like the creation of a field. On success the caller must destroy *created; on failure it is NULL and the relighter is
-// unchanged.
+// Takes over the frames of a relighter that has not run any: its light is copied to the device, olx_relight_frame fails
+// from then on, and the maps and the volume of olx_relight_field keep the light that they have then. The relighter
+// still owns lights and settings: budgets, samples, sleep. `uploaded` was created from the relighter's field or from
+// that field's source; both must outlive this object. OLX_ERROR_ARGUMENT, with a message, for settings out of range,
+// another field, a relighter that has run frames or has an occlusion function (shadow rays are traced through the
+// field). OLX_ERROR_UNSUPPORTED where surfels and their links, or sites, or 20 bytes for each texel that a frame lights
+// would exceed a storage buffer of the device. Submits to the queue and waits, like the creation of a field. On success
+// the caller must destroy *created; on failure it is NULL and the relighter is unchanged.
 olx_result olx_vulkan_relight_create(olx_vulkan_field *uploaded, olx_relight *relight,
                                      const olx_vulkan_relight_settings *settings, olx_vulkan_relight **created);
 // Destroys it. NULL is allowed. No command recorded with it may be pending. The relighter can run no more frames.
@@ -345,8 +348,9 @@ typedef struct olx_vulkan_relight_stats {
 // used; the command buffer recorded in_flight calls ago must have finished, because this call reads how much light that
 // frame changed. It does not wait. The frame waits for all earlier commands, and must be submitted in the order of the
 // calls. Binds compute pipelines, sets 0 and 1, and push constants. Records nothing when nothing is awake. stats may be
-// NULL. Unlike with olx_relight_frame, a round of bounces wakes tiles and volume probes in_flight frames later, and the
-// budget also counts shadow rays that are not needed because the light is behind its surface.
+// NULL. It counts as a call on the relighter, so it must not overlap another one. Unlike with olx_relight_frame, a
+// round of bounces wakes tiles and volume probes in_flight frames later, and the budget also counts shadow rays that
+// are not needed because the light is behind its surface.
 olx_result olx_vulkan_record_relight(olx_vulkan_relight *relight, VkCommandBuffer commands, olx_vec3 eye,
                                      olx_vulkan_relight_stats *stats);
 

@@ -139,8 +139,8 @@ void cube_pass_destroy(gpu_device *d, cube_pass *pass) {
 
 // ---- Recording
 
-// Returns whether a chunk may lie in a face: on the near side of none of the planes that bound the face's pyramid. A
-// plane has the normal `along` times the face's axis plus `across` times another one.
+// Returns whether a chunk may lie in a face's pyramid: whether, along each of the other two axes, it overlaps what the
+// pyramid spans at the chunk's farthest depth.
 static bool in_face(const cube_chunk *chunk, const face_constants *face) {
   const float reach = 1.001f / face->scale; // of the face's coordinates, with a margin for rounding
   const uint32_t axis = face->axis;

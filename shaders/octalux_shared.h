@@ -173,7 +173,7 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_FRAME_GLOSSY 32
 #define OLX_FRAME_SAMPLE 64             // the lobe is denoised: write samples
 #define OLX_FRAME_IRRADIANCE_PROBES 128 // irradiance comes from irradiance probes alone
-#define OLX_FRAME_RANK_ALL 256          // all probes are ranked for light on surfaces, not those nearby
+#define OLX_FRAME_RANK_ALL 256          // all probes, not only those nearby, are ranked for light on surfaces
 #define OLX_FRAME_GEOMETRIC_NORMAL 512  // the host gives this image
 #define OLX_FRAME_GEOMETRIC_UNORM 1024
 #define OLX_FRAME_VERTEX_NORMAL 2048
@@ -189,7 +189,8 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_DENOISE_MIRRORED_BEFORE 32
 #define OLX_DENOISE_COLUMNS 64
 
-// Bits of all of these flags: one pixel of each 2 x 2 traces, the one at the place that TURN_X and TURN_Y give.
+// Bits that the flags of frames and those of the denoiser have in common: one pixel of each 2 x 2 traces, the one at
+// the place that TURN_X and TURN_Y give.
 #define OLX_TURN_SPARSE 16384
 #define OLX_TURN_X 32768
 #define OLX_TURN_Y 65536
@@ -227,16 +228,16 @@ typedef struct olx_gpu_uvec4 {
 #define OLX_HARMONICS_MOST_BANDS 3u
 #define OLX_HARMONICS_MOST (OLX_HARMONICS_MOST_BANDS * OLX_HARMONICS_MOST_BANDS)
 
-// texels: texels along a side of a tile of emission, and the code of a specular weight of 1 (src/block/reflectance.h);
-// codes above it are metalness, codes below it weights.
-// Tiles of surfaces: a word for 8 x 8 texels of a map, which names blocks in a pool. The two highest bits are its form;
-// the others are the number of its first block. A word of 0 is a tile of nothing but sky.
+// texels: tiles of surfaces, a word for 8 x 8 texels of a map, which names blocks in a pool. The two highest bits are
+// its form; the others are the number of its first block. A word of 0 is a tile of nothing but sky.
 #define OLX_TILE_SIDE 8u
 #define OLX_TILE_FORM_SHIFT 30u
 #define OLX_TILE_HALF 1u     // one block: a texel of it for 2 x 2 texels
 #define OLX_TILE_FULL 2u     // four blocks, row by row
 #define OLX_POOL_ROW_BITS 9u // an image of a pool has 512 blocks in a row, and up to 512 rows in a layer
 
+// texels: texels along a side of a tile of emission, and the code of a specular weight of 1 (src/block/reflectance.h);
+// codes above it are metalness, codes below it weights.
 #define OLX_EMISSION_TILE 8u
 #define OLX_REFLECTANCE_FULL 128.0f
 
@@ -442,7 +443,7 @@ OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_uint compressed;   // 1: materials are packed as in blocks, whatever format their images have
   olx_gpu_uint planes_first; // of geometry blocks, in words
   olx_gpu_uint plane_count;
-  olx_gpu_float geometry_scale; // of where maps of geometry blocks begin to where others do; 0 for geometry of texels
+  olx_gpu_float geometry_scale; // where a map of geometry blocks begins over where others do; 0: no blocks
   olx_gpu_uint unused_1, unused_2;
   olx_gpu_uvec4 tile_words;  // where the tiles of base, specular, direct and indirect light begin, in words
   olx_gpu_uvec4 tile_blocks; // the number of blocks in the pool of each
@@ -470,7 +471,7 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
   olx_gpu_uint surfels, volume_probes;
   olx_gpu_uint light_samples;
   olx_gpu_uint light_count, lamp_point_count;
-  olx_gpu_uint tile_side, tile_words; // texels along a tile of a map, and words of it with the border that repeats them
+  olx_gpu_uint tile_side, tile_words; // texels along a side of a tile, and its words with its border
   // Parts of the state, as offsets from the end of this struct.
   olx_gpu_uint lights, tiles;                // lights, and scheduled tiles
   olx_gpu_uint direct, irradiance, values;   // vectors of surfels; until an update ends, values are sums over rays
@@ -490,7 +491,7 @@ OLX_GPU_STRUCT(olx_gpu_relight) {
 OLX_GPU_STRUCT(olx_gpu_relight_call) {
   olx_gpu_uint first, count;              // surfels or volume probes; threads that have something to do
   olx_gpu_uint round, before;             // the first `before` of the surfels have `round` samples, the others one more
-  olx_gpu_uint light, light_sample, rays; // of every place: from this sample of a light on, so many
+  olx_gpu_uint light, light_sample, rays; // of every place: the first light and sample, and the rays from there on
   olx_gpu_uint flags;                     // OLX_CALL_*
 };
 

@@ -17,10 +17,10 @@ static void slabs(const analytic_box *box, olx_vec3 o, olx_vec3 d, float *near, 
   *far = INFINITY;
   *near_axis = *far_axis = 0;
   for (uint32_t axis = 0; axis < 3; axis++) {
-    const float da = olx_axis(d, axis), oa = olx_axis(o, axis);
-    float t0 = (olx_axis(box->min, axis) - oa) / da, t1 = (olx_axis(box->max, axis) - oa) / da;
+    const float da = olx_component(d, axis), oa = olx_component(o, axis);
+    float t0 = (olx_component(box->min, axis) - oa) / da, t1 = (olx_component(box->max, axis) - oa) / da;
     if (da == 0.0f) {
-      const bool inside = oa >= olx_axis(box->min, axis) && oa <= olx_axis(box->max, axis);
+      const bool inside = oa >= olx_component(box->min, axis) && oa <= olx_component(box->max, axis);
       t0 = inside ? -INFINITY : INFINITY;
       t1 = inside ? INFINITY : -INFINITY;
     }
@@ -41,7 +41,7 @@ static void slabs(const analytic_box *box, olx_vec3 o, olx_vec3 d, float *near, 
 }
 
 static olx_vec3 axis_normal(int axis, olx_vec3 direction) {
-  const float s = olx_axis(direction, (uint32_t)axis) > 0.0f ? -1.0f : 1.0f;
+  const float s = olx_component(direction, (uint32_t)axis) > 0.0f ? -1.0f : 1.0f;
   return olx_v3(axis == 0 ? s : 0.0f, axis == 1 ? s : 0.0f, axis == 2 ? s : 0.0f);
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A reader of field files that shares nothing with Octalux but docs/format.md.
+"""A reader of field files that shares nothing with Octalux but docs/format.md and the section Blocks of docs/maths.md.
 
 Usage: read_field.py FIELD.olx            print what is in it as JSON, keys as `octalux info --json` has them
        read_field.py FIELD.olx INFO.json  compare with what `octalux info --json` printed

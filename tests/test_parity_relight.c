@@ -122,7 +122,7 @@ ROW(tile_texel, put_tile_texel(r, s->bits[0] % 1024u);)
 ROW(site_corners, float c[4]; some_corners(s, c); for (uint32_t k = 0; k < 4; k++) put_f(r, c[k]);)
 ROW(site_weight, put_f(r, told_weight(s));)
 ROW(irradiance_scale, const uint32_t k = s->bits[0] % 9u;
-    put_f(r, cosine_band[k == 0 ? 0 : k < 4 ? 1 : 2] / olx_harmonics_mean_square(k));)
+    put_f(r, olx_harmonics_cosine(k == 0 ? 0 : k < 4 ? 1 : 2) / olx_harmonics_mean_square(k));)
 ROW(half_pack_finite, put_u(r, pack_finite(olx_bits_float(s->bits[0] & 0x7F7FFFFFu)));)
 ROW(specular_brightness, put_f(r, some_brightness(s));)
 // clang-format on

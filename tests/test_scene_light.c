@@ -580,7 +580,7 @@ static olx_scene *room_below_slats(olx_vec3 direction) {
 // Returns the direct light that long rays take at a surface: that of the point in uneven cells, else that of the cell.
 static olx_vec3 light_taken(const olx_scene_light_parts *parts, const olx_surface *surface, const olx_ray_hit *hit,
                             olx_vec3 exact) {
-  const olx_surface_point point = olx_surface_point_make(&parts->surfels->grid, surface, hit, 0.01f);
+  const olx_surfel_point point = olx_surfel_point_make(&parts->surfels->grid, surface, hit, 0.01f);
   const olx_surfel_found found = olx_light_surfels_find(parts->surfels, point.key, surface, INFINITY);
   if (found.surfel == OLX_CELL_NONE || olx_surfel_is_uneven(parts->surfels, found.surfel)) return exact;
   return parts->direct[found.surfel];

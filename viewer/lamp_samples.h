@@ -2,8 +2,8 @@
 // drawn.
 //
 // Suns, points and spots are one lamp each. Light with an extent becomes several: emissive surfaces are points on them
-// with a hemisphere of shadow views each, the environment is distant lamps sampled by radiance. Each of these lamps is
-// as wide as its share of the whole, so that its highlight and the edges of its shadows have a width. Their light
+// with a hemisphere of shadow views each, the environment is distant lamps sampled by irradiance. Each of these lamps
+// is as wide as its share of the whole, so that its highlight and the edges of its shadows have a width. Their light
 // approximates what the path tracer calls direct: shadows of wide lamps consist of overlapping steps.
 #ifndef OCTALUX_VIEWER_LAMP_SAMPLES_H
 #define OCTALUX_VIEWER_LAMP_SAMPLES_H
@@ -23,7 +23,7 @@ lamp_settings lamp_settings_default(void);
 
 typedef enum lamp_kind { LAMP_DISTANT = 0, LAMP_POINT = 1, LAMP_SPOT = 2, LAMP_SURFACE = 3 } lamp_kind;
 
-// A lamp, with the layout of shaders/direct_light.comp.
+// A lamp, with the layout of viewer/shaders/direct_light.comp.
 typedef struct lamp {
   float position[3];
   uint32_t kind;

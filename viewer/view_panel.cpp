@@ -166,7 +166,7 @@ void build_relight(const view_relight_times *t) {
   ImGui::PlotLines("##relight", t->history, shown, first, nullptr, 0.0f, most * 1.1f, ImVec2(110.0f, 15.0f));
   ImGui::SameLine();
   ImGui::Text("%8.3f  relighting (CPU)", static_cast<double>(t->milliseconds));
-  ImGui::TextDisabled("%u probes not settled, %.0f kB copied, %.0f wait", t->awake,
+  ImGui::TextDisabled("%u parts of the light not settled, %.0f kB copied, %.0f wait", t->awake,
                       static_cast<double>(t->copied_bytes) / 1000.0, static_cast<double>(t->waiting_bytes) / 1000.0);
 }
 

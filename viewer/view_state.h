@@ -113,7 +113,7 @@ typedef struct view_relight_times {
   bool on;
   float milliseconds; // elapsed time of the relighter's last frame
   float history[VIEW_HISTORY];
-  uint32_t frames, awake;               // number of frames; number of probes that have not converged
+  uint32_t frames, awake;               // number of frames; of tiles, surfels and volume probes that wait
   uint64_t copied_bytes, waiting_bytes; // bytes copied for this picture, and bytes still to be copied
 } view_relight_times;
 

@@ -1,7 +1,5 @@
-// octalux-bake-mpi: bakes as `octalux bake` does, on all ranks of an MPI job, which share a work folder.
-//
-// Each rank is a part of the bake (docs/farm.md) that stays in memory and waits for what only others can compute. MPI
-// says how many ranks there are and when all are done; results go through the folder. Ranks that wait sleep.
+// octalux-bake-mpi: bakes as `octalux bake` does, on all ranks of an MPI job, which share a work folder (docs/farm.md).
+// Each rank is a part of the bake that stays in memory, and sleeps while only others can compute what it waits for.
 #include "bake_driver.h"
 #include "options.h"
 #include "report.h"

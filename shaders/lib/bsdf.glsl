@@ -6,8 +6,6 @@
 
 #include "vec.glsl"
 
-// Below this roughness the lobe is a perfect mirror.
-
 struct olx_bsdf {
   vec3 albedo; // base colour * (1 - metallic)
   vec3 f0;

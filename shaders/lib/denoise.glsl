@@ -7,14 +7,6 @@
 
 #include "vec.glsl"
 
-// The greatest distance of one pixel from another's plane at which both show one surface: this many widths of a pixel,
-// plus this share of the pixels' distance from each other (normal maps tilt planes). The least cosine between two
-// normals at which history counts as of the same surface. A point seen within this distance of a pixel's centre, in
-// pixels, counts as unmoved. The greatest difference of roughness between surfaces whose glossy light is mixed.
-
-// The sum of weights below which a pixel has no light.
-// The share of the four pixels around a point below which its history is not read.
-
 // The axes of a camera: right and up lead from the middle of the image plane at distance 1 to its edges.
 struct olx_camera_frame {
   vec3 eye, forward, right, up;

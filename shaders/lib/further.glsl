@@ -9,10 +9,6 @@
 #include "sampling.glsl"
 #include "texels.glsl"
 
-// Lobes that reflect less than this towards the eye, and lobes of rougher surfaces, receive the mean light of all
-// directions.
-// How far from the surface the ray starts, in footprints.
-
 struct olx_further_ray {
   vec3 origin, direction;
   vec3 weight; // factor for the light that it finds

@@ -6,8 +6,6 @@
 
 #include "vec.glsl"
 
-// sqrt(4 pi): a texel of an n x n map is about this over n wide.
-
 // Maps a direction of any finite length to [0, 1]^2; one without length to the middle.
 vec2 olx_octahedral_encode(vec3 d) {
   precise float inverse = 1.0 / max(OLX_LEAST_LENGTH, abs(d.x) + abs(d.y) + abs(d.z));

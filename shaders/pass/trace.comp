@@ -6,8 +6,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
 
-// The least factor between incident and reflected light, so that dividing by it is harmless.
-
 // The sums over a pixel's rays.
 struct gathered {
   vec3 light;

@@ -1,6 +1,5 @@
-// Encodes BC6H blocks: fits lines between two colours by weighted least squares on the bits of half floats, which are
-// nearly logarithms, and chooses the mode whose numbers hold them best. Blocks that one line does not fit get two lines
-// where that is better.
+// Encodes BC6H blocks: fits one or two lines between two colours by weighted least squares on the bits of half floats,
+// which are nearly logarithms, and chooses the mode whose numbers hold them best.
 #include "block/bc6h_encode.h"
 
 #include "block/line_encode.h"

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { OLX_LINE_TEXELS = 16, OLX_LINE_LANES = 4, OLX_LINE_ROWS = 4, OLX_LINE_CHANNELS = 4 };
+enum { OLX_LINE_LANES = 4, OLX_LINE_ROWS = 4, OLX_LINE_CHANNELS = 4 };
 
 // A row of a block: four texels in one vector of any machine.
 typedef float olx_row __attribute__((vector_size(16)));

@@ -62,7 +62,7 @@ typedef struct olx_chunk_shape {
   uint64_t size_bytes;
 } olx_chunk_shape;
 
-// Records of a number of elements of a number of bytes.
+// The shape of a chunk of `records` records of `elements` elements of `element_bytes` bytes each.
 typedef struct olx_chunk_row {
   uint32_t type, element_bytes;
   uint64_t elements, records;

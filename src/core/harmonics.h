@@ -21,6 +21,12 @@ static inline void olx_harmonics_at(olx_vec3 d, float values[OLX_HARMONICS_MOST]
   values[8] = d.x * d.x - d.y * d.y;
 }
 
+// Returns the factor by which the harmonics of a band, 0 to 2, of radiance become those of irradiance (Ramamoorthi and
+// Hanrahan 2001).
+static inline float olx_harmonics_cosine(uint32_t band) {
+  return band == 0 ? OLX_PI : band == 1 ? 2.0f / 3.0f * OLX_PI : 0.25f * OLX_PI;
+}
+
 // Returns the mean of a harmonic's square over the sphere.
 static inline float olx_harmonics_mean_square(uint32_t index) {
   return index == 0   ? 1.0f

@@ -8,9 +8,9 @@
 
 #include <stdatomic.h>
 
-// The progress of one long piece of work that runs several loops, which advance `done` from 0 to `total` units. From
-// its beginning to its end, it is the current task of the thread that began it, so that everything this thread calls
-// can be cancelled.
+// The progress of one long piece of work that runs several loops, which together advance `done_units` from 0 to
+// `total_units`. From its beginning to its end, it is the current task of the thread that began it, so that everything
+// this thread calls can be cancelled.
 typedef struct olx_task {
   struct olx_task *outer;       // the task that was current when this one began; NULL: none
   const olx_progress *progress; // may be NULL

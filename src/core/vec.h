@@ -18,6 +18,8 @@ static inline float olx_sign_not_zero(float x) { return x >= 0.0f ? 1.0f : -1.0f
 
 static inline olx_vec3 olx_v3(float x, float y, float z) { return (olx_vec3){x, y, z}; }
 // Reads a vector from the three floats that files store.
+// Returns a component of a vector: x, y and z are 0, 1 and 2.
+static inline float olx_component(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 static inline olx_vec3 olx_load3(const float stored[3]) { return olx_v3(stored[0], stored[1], stored[2]); }
 static inline void olx_store3(float stored[3], olx_vec3 v) {
   stored[0] = v.x;

@@ -1,6 +1,5 @@
-// Fits ambient cubes by projected gradient descent with momentum (Beck and Teboulle 2009, "FISTA"). All weights of
-// look-ups are at least 0 and sum to 1, so that the step for a value is known beforehand: one over the sum of the
-// weights with which points read it.
+// Fits ambient cubes by projected gradient descent with momentum (Beck and Teboulle 2009, "FISTA"). Weights are not
+// negative and sum to 1, so the step for a value is one over the sum of the weights with which points read it.
 #include "export/cube_fit.h"
 
 #include "core/hooks.h"

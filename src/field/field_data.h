@@ -34,7 +34,7 @@ struct olx_field {
   const olx_vec3 *irradiance_positions;
   const uint8_t *irradiance_flags;
 
-  uint32_t n, stride;       // radiance_size and n + 2
+  uint32_t n, stride;       // info.maps.size and n + 2
   size_t texels;            // of a light field map with its border: stride * stride
   const uint32_t *radiance; // R11G11B10F, `texels` a probe; NULL without probe light, like every irradiance map
   // The geometry of light field maps, either as texels or as blocks; what the field does not hold is NULL. There are (n
@@ -54,9 +54,9 @@ struct olx_field {
   const uint32_t *irradiance; // R11G11B10F, W/m^2, indirect light only, no emitters and sky; where NULL, see harmonics
   const uint16_t *harmonics;  // half floats, `harmonic_halves` a probe
   uint32_t bands, harmonic_halves; // 0 for maps
-  const uint32_t *moments;    // half floats: mean distance (low 16 bits), mean squared distance; the sky counts as 1
+  const uint32_t *moments; // half floats: mean distance (low 16 bits), mean squared distance; the sky counts as 1
 
-  // What olx_select baked for each selector in info.select_mask; NULL and 0 where it needs no data.
+  // What the bake made for each selector in info.select_mask; NULL and 0 where it needs no data.
   const void *select_data[OLX_SELECT_STORED];
   size_t select_bytes[OLX_SELECT_STORED];
   olx_bricks bricks; // points into select_data

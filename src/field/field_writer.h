@@ -9,7 +9,7 @@ typedef struct olx_field_writer olx_field_writer;
 
 // What must be known before the first map is written: positions, and all of olx_field_info except counts of bytes.
 typedef struct olx_field_header {
-  olx_field_info info; // *_bytes and buried counts are filled in by the writer
+  olx_field_info info; // the writer fills in counts of bytes and of buried probes
   double origin[3];    // positions are relative to this point
   const olx_vec3 *probe_positions, *irradiance_positions;
   const void *select_data[OLX_SELECT_STORED]; // of each selector in info.select_mask except the cage
@@ -20,7 +20,7 @@ typedef struct olx_field_header {
   size_t volume_bytes; // of the structure; 0 without a volume
   const olx_vec3 *volume_positions;
   bool relight;                  // the data for relighting will be written last; its size is not known before
-  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL where info.classic_size is 0
+  const uint32_t *classic_table; // of classic maps, OLX_CLASSIC_TABLE_ENTRIES; NULL where info.classic.size is 0
 } olx_field_header;
 
 // The surfaces that a light field probe sees, row by row, without border, in the codes that field/texels.h reads.
@@ -69,12 +69,12 @@ olx_result olx_field_writer_probe_blocks(olx_field_writer *writer, uint32_t inde
 // Writes the surfaces of one light field probe, in order of index.
 olx_result olx_field_writer_surface(olx_field_writer *writer, uint32_t index, const olx_surface_maps *maps);
 
-// Writes the maps of one irradiance probe, in order of index, without border. According to info.irradiance_form,
+// Writes the maps of one irradiance probe, in order of index, without border. According to info.irradiance.form,
 // `irradiance` is a map of R11G11B10F or the result of olx_harmonics_pack.
 olx_result olx_field_writer_irradiance(olx_field_writer *writer, uint32_t index, uint8_t flags, const void *irradiance,
                                        const uint32_t *moments);
 
-// Writes the classic maps of one irradiance probe, in order of index, where info.classic_size is not 0.
+// Writes the classic maps of one irradiance probe, in order of index, where info.classic.size is not 0.
 olx_result olx_field_writer_classic(olx_field_writer *writer, uint32_t index, const olx_classic_record *record);
 
 // Writes the data for relighting (field/relight_data.h), where the header announces it: once, after all surfaces.

@@ -16,7 +16,7 @@
 
 enum {
   OLX_LAMP_RAYS = 1024,     // the most rays of a lamp
-  OLX_LEAST_LAMP_RAYS = 64, // of a lamp where there are many, as long as `all_rays` allows
+  OLX_LEAST_LAMP_RAYS = 64, // the fewest of a lamp, even where all lamps then exceed `all_rays`
 };
 
 // What a ray from a lamp meets.
@@ -35,7 +35,7 @@ typedef void (*olx_lamp_look)(const void *user, olx_vec3 from, const olx_vec3 *d
 typedef struct olx_lamp_view {
   olx_lamp_look look;
   const void *user;
-  uint32_t all_rays; // of all lamps: a bound
+  uint32_t all_rays; // of all lamps, as far as OLX_LEAST_LAMP_RAYS allows
   uint32_t rays;     // of a lamp, at most OLX_LAMP_RAYS
 } olx_lamp_view;
 

@@ -64,8 +64,6 @@ static inline size_t olx_voronoi_tree(const olx_field *field) {
 // Returns the middle of the probes from begin to end - 1.
 static inline uint32_t olx_middle(uint32_t begin, uint32_t end) { return begin + (end - begin) / 2; }
 
-static inline float olx_coordinate(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 // Checks the sizes of the structure when a field is opened, in constant time. The runtime's reads stay inside the
 // structure whatever it holds.
 olx_result olx_voronoi_check(const olx_field *field);

@@ -37,9 +37,9 @@ bool olx_choices_are_sound(const uint32_t choices[OLX_CHOICES], uint32_t probe_c
 static bool is_split(const olx_field *field, const uint32_t *order, uint32_t begin, uint32_t end, uint32_t axis) {
   if (end - begin < 2) return true;
   const uint32_t middle = olx_middle(begin, end), next = (axis + 1) % 3;
-  const float at = olx_coordinate(field->probe_positions[order[middle]], axis);
+  const float at = olx_component(field->probe_positions[order[middle]], axis);
   for (uint32_t i = begin; i < end; i++) {
-    const float x = olx_coordinate(field->probe_positions[order[i]], axis);
+    const float x = olx_component(field->probe_positions[order[i]], axis);
     if (i < middle ? x > at : x < at) return false;
   }
   return is_split(field, order, begin, middle, next) && is_split(field, order, middle + 1, end, next);

@@ -20,7 +20,7 @@ static uint64_t patch_bytes(const olx_scene_light *l) {
   return links * (sizeof(olx_link) + sizeof(float));
 }
 
-static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_count * sizeof(olx_surface_point); }
+static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_count * sizeof(olx_surfel_point); }
 
 // Returns the bytes of a step's result, which has everything but points and links.
 static uint64_t step_bytes(const olx_scene_light *l) {
@@ -61,8 +61,8 @@ static uint64_t link_bytes(const olx_scene_light *l) {
 
 static uint64_t unit_bytes(const olx_scene_light *l) {
   const uint64_t rays = l->report.links < OLX_LIGHT_UNIT_RAYS ? l->report.links : OLX_LIGHT_UNIT_RAYS;
-  const uint64_t cast = rays * (sizeof(olx_link) + sizeof(float) + sizeof(olx_surface_point)) +
-                        l->surfels.count * sizeof(olx_fixed_light);
+  const uint64_t cast =
+      rays * (sizeof(olx_link) + sizeof(float) + sizeof(olx_surfel_point)) + l->surfels.count * sizeof(olx_fixed_light);
   const uint64_t step = step_bytes(l), points = point_bytes(l), most = step > points ? step : points;
   return most > cast ? most : cast;
 }

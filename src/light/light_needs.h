@@ -9,7 +9,7 @@ typedef struct olx_light_needs {
   uint32_t surfels;
   uint64_t state_bytes;  // kept until the field is written, without links
   uint64_t lookup_bytes; // the lookup of visible surfels that relighting builds
-  uint64_t work_bytes;   // held beside it while light is solved, without links
+  uint64_t work_bytes;   // held besides state_bytes while light is solved, without links
   uint64_t link_bytes;   // links and what rays bring without them, where they are in memory
   uint64_t thread_bytes; // links that a thread leaves in memory, where they are in files
   uint64_t unit_bytes;   // the largest result that a store receives

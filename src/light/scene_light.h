@@ -34,8 +34,8 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
 // The two methods of olx_scene_light_irradiance. Interpolation returns false where surfels do not determine the light
-// of the point; a gather casts 256 rays, which takes about fifty times as long. `row` keeps what they find; it may be
-// NULL.
+// of the point; a gather casts 256 to 1,024 rays, the more the noisier light is there, which takes at least about fifty
+// times as long. `row` keeps what they find; it may be NULL.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface, olx_gather_row *row);
 

@@ -9,8 +9,8 @@
 
 enum {
   MOST_MARKS = 8192,        // most marks of surfels, and of the skeleton
-  MOST_TILED_MARKS = 65536, // most marks of surfels where there are many tiles, shared evenly between the tiles, but
-  LEAST_TILE_MARKS = 16
+  MOST_TILED_MARKS = 65536, // most marks of surfels of all tiles, shared evenly between them
+  LEAST_TILE_MARKS = 16     // most marks of a tile where its share would be smaller
 };
 
 static olx_result make_room(olx_probe_set *set, uint32_t more) {

@@ -47,7 +47,7 @@ static void add(olx_relit_lights *lights, const olx_light *light) {
 
 // ---- Surfaces near lamps
 
-// Returns the surface that a ray from a lamp hits. It starts from there as texels' rays do.
+// Returns the surface that a ray from a lamp hits. Its position lies off the surface, like the start of a texel's rays.
 static olx_lamp_sight sight_of(const olx_field *field, const olx_trace_hit *hit, olx_vec3 direction) {
   if (hit->status == OLX_TRACE_MISS) return (olx_lamp_sight){.distance = INFINITY};
   olx_lamp_sight sight = {.distance = hit->distance_metres,

@@ -13,9 +13,6 @@
 
 enum { PROBES_JOB = 64 };
 
-// The factor of each band when radiance is convolved with the cosine (Ramamoorthi and Hanrahan 2001).
-static const float cosine_band[OLX_VOLUME_BANDS] = {OLX_PI, 2.0f / 3.0f * OLX_PI, 0.25f * OLX_PI};
-
 olx_result olx_relit_volume_create(const olx_field *source, olx_relit_volume *v) {
   const uint32_t count = source->relight.header->volume_probes;
   const size_t halves = (size_t)count * OLX_VOLUME_HALVES;
@@ -40,7 +37,7 @@ static void light_probe(olx_relit_volume *v, const olx_vec3 *surfels, uint32_t p
   }
   for (uint32_t k = 0; k < OLX_HARMONICS_MOST; k++) {
     const uint32_t band = k == 0 ? 0 : k < 4 ? 1 : 2;
-    sums[k] = olx_scale(sums[k], cosine_band[band] / olx_harmonics_mean_square(k));
+    sums[k] = olx_scale(sums[k], olx_harmonics_cosine(band) / olx_harmonics_mean_square(k));
   }
   olx_harmonics_pack(sums, OLX_VOLUME_BANDS, v->irradiance + (size_t)OLX_VOLUME_HALVES * probe);
 }

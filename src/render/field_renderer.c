@@ -89,10 +89,11 @@ static bool draw_glossy(const olx_shading *shading, olx_vec3 view, olx_vec2 rand
   return true;
 }
 
-static olx_ray_light light_found(const olx_render_context *context, const field_ray *ray, const olx_trace_hit *hit) {
+static olx_field_ray_light light_found(const olx_render_context *context, const field_ray *ray,
+                                       const olx_trace_hit *hit) {
   const olx_vec3 light = olx_light_found(&context->settings->sample, hit, ray->origin);
-  return (olx_ray_light){.light = olx_scale(olx_mul(ray->reflectance, light), ray->weight),
-                         .nearness = olx_nearness(hit)};
+  return (olx_field_ray_light){.light = olx_scale(olx_mul(ray->reflectance, light), ray->weight),
+                               .nearness = olx_nearness(hit)};
 }
 
 static olx_trace_hit follow(const olx_render_context *context, olx_vec3 origin, olx_vec3 direction,
@@ -102,25 +103,25 @@ static olx_trace_hit follow(const olx_render_context *context, olx_vec3 origin, 
   return hit;
 }
 
-static olx_ray_light plus(olx_ray_light light, olx_vec3 more) {
-  return (olx_ray_light){.light = olx_add(light.light, more), .nearness = light.nearness};
+static olx_field_ray_light plus(olx_field_ray_light light, olx_vec3 more) {
+  return (olx_field_ray_light){.light = olx_add(light.light, more), .nearness = light.nearness};
 }
 
-olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
-                                    olx_render_stats *stats) {
+olx_field_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading,
+                                          olx_vec2 random, olx_render_stats *stats) {
   field_ray ray;
   const olx_vec3 near = olx_fixtures_light(context, shading, OLX_GATHER_COSINE, random.x, &stats->rays);
-  if (!draw_diffuse(shading, random, &ray)) return (olx_ray_light){.light = near};
+  if (!draw_diffuse(shading, random, &ray)) return (olx_field_ray_light){.light = near};
   olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
   olx_fixtures_leave(context, ray.direction, ray.density, &hit);
   return plus(light_found(context, &ray, &hit), near);
 }
 
-olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
-                                   olx_vec2 random, olx_render_stats *stats) {
+olx_field_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+                                         olx_vec2 random, olx_render_stats *stats) {
   field_ray ray;
   const olx_vec3 near = olx_fixtures_light(context, shading, OLX_GATHER_SPECULAR, random.x, &stats->rays);
-  if (!draw_glossy(shading, view, random, &ray)) return (olx_ray_light){.light = near};
+  if (!draw_glossy(shading, view, random, &ray)) return (olx_field_ray_light){.light = near};
   olx_trace_hit hit = follow(context, ray.origin, ray.direction, stats);
   olx_fixtures_leave(context, ray.direction, ray.density, &hit);
   olx_further_ray further;

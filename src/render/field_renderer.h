@@ -14,17 +14,17 @@ olx_vec3 olx_field_direct(const olx_render_context *context, const olx_shading *
                           olx_render_stats *stats);
 
 // The result of one ray through the field.
-typedef struct olx_ray_light {
+typedef struct olx_field_ray_light {
   olx_vec3 light;
   float nearness; // 1 / distance to the hit, 0 without a hit
-} olx_ray_light;
+} olx_field_ray_light;
 
 // Returns the radiance along a cosine-distributed direction: its mean is irradiance / pi.
-olx_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading, olx_vec2 random,
-                                    olx_render_stats *stats);
+olx_field_ray_light olx_field_diffuse_ray(const olx_render_context *context, const olx_shading *shading,
+                                          olx_vec2 random, olx_render_stats *stats);
 // Returns the light that the specular lobe reflects towards `view`.
-olx_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
-                                   olx_vec2 random, olx_render_stats *stats);
+olx_field_ray_light olx_field_glossy_ray(const olx_render_context *context, const olx_shading *shading, olx_vec3 view,
+                                         olx_vec2 random, olx_render_stats *stats);
 
 // Returns the irradiance, without rays, of the surface that `hit` is on: from classic maps with that method; stored at
 // surfaces where settings choose that for diffuse light and in fields without probe light; otherwise from irradiance

@@ -1,6 +1,5 @@
-// Computes LDR-FLIP: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator
-// for Alternating Images", HPG 2020. Detail that the eye cannot resolve is filtered away, colours are compared in a
-// space where distances match perception, and differences of edges and points amplify the differences of colour.
+// Computes LDR-FLIP (Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, HPG 2020): differences of colour
+// that the eye can resolve, in a space where distances match perception, amplified by those of edges and points.
 #include "render/perceptual.h"
 
 #include "core/hooks.h"

@@ -55,7 +55,7 @@ static void sample_diffuse(frame_job *job, const shaded_pixel *p, olx_render_sta
   *sample = (olx_incident){.inverse_distance = -1.0f};
   if (!p->traces || !p->shading.has_diffuse || job->context.settings->diffuse != OLX_DIFFUSE_TRACED) return;
   const olx_vec2 random = draw_ray(job, p, OLX_DIFFUSE_BRANCH);
-  const olx_ray_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
+  const olx_field_ray_light found = olx_field_diffuse_ray(&job->context, &p->shading, random, stats);
   *sample = (olx_incident){olx_scale(found.light, OLX_PI), found.nearness};
 }
 
@@ -65,7 +65,7 @@ static void sample_glossy(frame_job *job, const shaded_pixel *p, olx_render_stat
   const olx_vec3 factor = job->glossy_factor[p->pixel];
   if (!p->traces || !(factor.x > 0.0f)) return;
   const olx_vec2 random = draw_ray(job, p, OLX_GLOSSY_BRANCH);
-  const olx_ray_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
+  const olx_field_ray_light found = olx_field_glossy_ray(&job->context, &p->shading, p->view, random, stats);
   const olx_vec3 light = {found.light.x / factor.x, found.light.y / factor.y, found.light.z / factor.z};
   *sample = (olx_incident){light, found.nearness};
 }

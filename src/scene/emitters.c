@@ -38,12 +38,9 @@ struct olx_emitters {
   float reach; // a distance beyond everything in the scene
 };
 
-static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
-  return scene->positions[scene->indices[3 * (size_t)triangle + i]];
-}
-
 static float triangle_area(const olx_scene *scene, uint32_t triangle) {
-  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), b = olx_scene_corner(scene, triangle, 1),
+                 c = olx_scene_corner(scene, triangle, 2);
   return 0.5f * olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
 }
 
@@ -105,7 +102,8 @@ static float mean_luminance(const olx_scene *scene, uint32_t triangle) {
 }
 
 static panel make_panel(const olx_scene *scene, uint32_t triangle, float probability) {
-  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), b = olx_scene_corner(scene, triangle, 1),
+                 c = olx_scene_corner(scene, triangle, 2);
   const float area = triangle_area(scene, triangle);
   return (panel){
       .corners = {a, b, c},
@@ -378,7 +376,8 @@ static bool sample_triangle(const olx_scene *scene, olx_vec3 position, olx_vec2 
   const float angle = near ? view_large(near, position, seen) : 0.0f;
   const olx_vec2 uv = angle > 0.0f ? barycentric(near, position, olx_spherical_triangle_sample(seen, random))
                                    : olx_sample_triangle(random);
-  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), b = olx_scene_corner(scene, triangle, 1),
+                 c = olx_scene_corner(scene, triangle, 2);
   const olx_vec3 point = olx_add(olx_add(olx_scale(a, 1.0f - uv.x - uv.y), olx_scale(b, uv.x)), olx_scale(c, uv.y));
   const olx_vec3 normal = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   const olx_vec3 way = olx_sub(point, position);

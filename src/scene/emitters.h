@@ -5,8 +5,8 @@
 #include "scene/surface.h"
 
 // Emitters are divided into groups, over which light is summed. Each light without area is a group, the emissive
-// triangles are one, the environment is one. When there are more than OLX_MAX_LIGHT_GROUPS point and spot lights, they
-// share one group, and so do more than as many suns. Within a group one emitter is drawn: lamps about by the light that
+// triangles are one, the environment is one. More than OLX_MAX_LIGHT_GROUPS point and spot lights share one group, and
+// so do more than OLX_MAX_LIGHT_GROUPS suns. Within a group one emitter is drawn: lamps about by the light that
 // each sends to the shaded point (scene/many_lamps.h), suns by their irradiance, triangles by power or, when at most 32
 // emit, by the approximate light that each sends to the point. Triangles of such a group with a large solid angle are
 // sampled evenly over that angle, others evenly over their area.

@@ -26,6 +26,9 @@ typedef struct olx_probe_rules {
   float min_distance; // metres from other probes and from surfaces
 } olx_probe_rules;
 
+// The greatest albedo, so that light converges.
+#define OLX_MOST_ALBEDO 0.95f
+
 typedef struct olx_bvh olx_bvh;
 typedef struct olx_emitters olx_emitters;
 
@@ -64,8 +67,15 @@ struct olx_scene {
   olx_emitters *emitters;   // emitters.h
 };
 
-// Records a warning (printf-style), to be logged when the scene is loaded. After 32 of one kind, importers count
-// warnings instead of repeating them.
+// Returns the position of corner `i`, 0 to 2, of a triangle.
+static inline olx_vec3 olx_scene_corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
+  return scene->positions[scene->indices[3 * (size_t)triangle + i]];
+}
+
+// After so many warnings of one kind importers count them instead of repeating them.
+#define OLX_MOST_WARNINGS_OF_A_KIND 32u
+
+// Records a warning (printf-style), to be logged when the scene is loaded.
 void olx_scene_warn(olx_scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif

@@ -7,8 +7,6 @@
 
 #include <string.h>
 
-// Upper bound on albedo, so that light converges.
-#define OLX_MAX_ALBEDO 0.95f
 // Smallest cosine between shading and geometric normal.
 #define OLX_MIN_NORMAL_COSINE 0.01f
 
@@ -263,7 +261,7 @@ static inline olx_vec3 base_color_at(const olx_scene *scene, const olx_material 
     base_color =
         olx_mul(base_color, look_up(scene, material, material->base_color_texture, OLX_SLOT_BASE_COLOR, uvs).color);
   }
-  return olx_min_each(base_color, olx_splat(OLX_MAX_ALBEDO));
+  return olx_min_each(base_color, olx_splat(OLX_MOST_ALBEDO));
 }
 
 static void look_up_material(const olx_scene *scene, const olx_material *material, olx_place_uvs uvs, olx_vec3 tint,

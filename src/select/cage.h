@@ -13,14 +13,13 @@ typedef struct olx_cage {
   float alpha[3];       // the point's position in the cell along each axis, 0..1
 } olx_cage;
 
-static inline float olx_axis(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 static inline olx_cage olx_cage_at(const olx_grid *grid, olx_vec3 position) {
   olx_cage cage = {.corner_mask = 0};
   for (uint32_t axis = 0; axis < 3; axis++) {
     const uint32_t count = grid->count[axis];
     if (count < 2) continue;
-    const float x = (olx_axis(position, axis) - olx_axis(grid->origin, axis)) / olx_axis(grid->spacing, axis);
+    const float x =
+        (olx_component(position, axis) - olx_component(grid->origin, axis)) / olx_component(grid->spacing, axis);
     const float base = olx_clamp(floorf(x), 0.0f, (float)(count - 2));
     cage.base[axis] = (uint32_t)base;
     cage.alpha[axis] = olx_clamp(x - base, 0.0f, 1.0f);

@@ -45,7 +45,7 @@ static void search_tree(nearest *n) {
       if (probe >= count) break;
       consider(n, probe);
       const float gap =
-          olx_coordinate(n->point, range.axis) - olx_coordinate(n->field->probe_positions[probe], range.axis);
+          olx_component(n->point, range.axis) - olx_component(n->field->probe_positions[probe], range.axis);
       const bool low_first = gap < 0.0f;
       later[waiting++] = low_first ? (tree_range){middle + 1, range.end, next, gap * gap}
                                    : (tree_range){range.begin, middle, next, gap * gap};

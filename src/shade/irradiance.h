@@ -30,7 +30,7 @@ enum {
   OLX_WEIGHT_CHEBYSHEV = 4, // variance test on the filtered distance
   OLX_WEIGHT_SHARPEN = 8,   // the cube of the Chebyshev bound
   OLX_WEIGHT_BIAS = 16,     // moves the point that is tested off its surface, towards the viewer
-  OLX_WEIGHT_CRUSH = 32,    // press small weights down further
+  OLX_WEIGHT_CRUSH = 32,    // presses small weights down further
   OLX_WEIGHT_ALL = 63
 };
 

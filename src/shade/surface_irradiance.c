@@ -1,7 +1,5 @@
-// Interpolates diffuse light of static surfaces from those probes near a point that see its own surface, each by the
-// four texels around the point's direction, as far as they see that surface. Where none does, texels of surfaces close
-// to it are taken, and last the irradiance volume.
-// Its twin is shaders/lib/surface_irradiance.glsl.
+// Interpolates diffuse light of static surfaces from texels of probes that see a point's own surface, else of surfaces
+// close to it, else from the irradiance volume. Its twin is shaders/lib/surface_irradiance.glsl.
 #include "shade/surface_irradiance.h"
 
 #include "field/texels.h"

@@ -1,6 +1,5 @@
-// Looks up irradiance in the volume. The cell around a place, on the place's side of the surfaces that divide it, has
-// eight probes; their spherical harmonics are interpolated linearly and evaluated once.
-// Its twin is shaders/lib/volume_irradiance.glsl.
+// Looks up irradiance in the volume: interpolates the spherical harmonics of the eight probes of the cell around a
+// place, on the place's side of the surfaces that divide it. Its twin is shaders/lib/volume_irradiance.glsl.
 #include "shade/volume_irradiance.h"
 
 #include <assert.h>

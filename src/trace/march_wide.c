@@ -1,6 +1,5 @@
-// Marches eight rays at once, with the arithmetic of ray_image.h, march_hiz.c and probe_trace.c, operation by
-// operation, on vectors of eight lanes. A lane holds one ray and takes the next when that is finished. In each step,
-// every lane passes a clear node or texel, ascends or descends. Surfels are judged lane by lane.
+// Marches eight rays at once on vectors of eight lanes, with the arithmetic of ray_image.h, march_hiz.c and
+// probe_trace.c, operation by operation. A lane takes the next ray when its own is finished.
 #include "trace/march_wide.h"
 
 #include "trace/march.h"

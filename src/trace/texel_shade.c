@@ -1,6 +1,5 @@
-// Shades the surface that a texel stores for a ray's direction: the diffuse and the specular lobe in direct and
-// indirect light, and the highlights of lights without area, whose shadows are inferred from stored direct light.
-// Its twin is shaders/lib/texel_shade.glsl.
+// Shades the surface that a texel stores for a ray's direction, with highlights of lights without area, whose shadows
+// are inferred from stored direct light. Its twin is shaders/lib/texel_shade.glsl.
 #include "trace/texel_shade.h"
 
 #include "field/lights.h"

@@ -319,9 +319,9 @@ static float leave_bounds(const olx_field *field, olx_vec3 origin, olx_vec3 dire
   const olx_vec3 low = olx_sub(field->info.scene.bounds_min, room), high = olx_add(field->info.scene.bounds_max, room);
   float t = INFINITY;
   for (uint32_t axis = 0; axis < 3; axis++) {
-    const float d = olx_axis(direction, axis), o = olx_axis(origin, axis);
+    const float d = olx_component(direction, axis), o = olx_component(origin, axis);
     if (d == 0.0f) continue;
-    t = olx_min(t, ((d > 0.0f ? olx_axis(high, axis) : olx_axis(low, axis)) - o) / d);
+    t = olx_min(t, ((d > 0.0f ? olx_component(high, axis) : olx_component(low, axis)) - o) / d);
   }
   return olx_max(t, 0.0f);
 }

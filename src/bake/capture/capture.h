@@ -48,8 +48,8 @@ olx_geometry_texel olx_capture_geometry(const void *capture, uint32_t x, uint32_
 uint32_t olx_capture_cast_samples(olx_capture *capture, uint32_t x, uint32_t y, olx_ray rays[OLX_CAPTURE_MOST_RAYS],
                                   olx_ray_hit hits[OLX_CAPTURE_MOST_RAYS]);
 
-// Casts the rays of all samples of the probe and discards the hits, to measure the ray caster: adds its time on
-// `threads` threads to *embree_seconds.
+// Casts the rays of all samples of the probe and discards the hits, to measure the ray caster: adds the time that this
+// takes on the threads of the bake's settings to *embree_seconds.
 olx_result olx_capture_measure(olx_capture *capture, double *embree_seconds);
 
 #endif

@@ -9,15 +9,15 @@
 enum {
   FACES = 6,
   RING = 2,                 // texels of a row that lie beyond the face
-  LEAST_SIDE = 256,         // of the part of a face inside the ring
-  MOST_SIDE = 2048,         //
+  LEAST_SIDE = 256,         // the fewest texels along a side of a face, without the ring
+  MOST_SIDE = 2048,         // the most texels along a side of a face, without the ring
   MOST_TOGETHER = 16,       // probes of one call
   TOGETHER_BYTES = 1 << 26, // of the cubes of one call, unless a single one takes more
   AROUND = 9                // texels around a ray
 };
 
-// A quarter of the circle spans `size` texels of an octahedral map and `side` texels of a face; each texel is sampled
-// `samples` times along its side.
+// Returns the texels along a side of a face. A quarter of the circle spans size / 2 texels of an octahedral map, each
+// of which is sampled `samples` times along its side, and all texels of a face without its ring.
 static uint32_t side_for(const olx_bake_settings *s, uint32_t size) {
   const uint32_t wanted = size * s->samples / 2, side = wanted < LEAST_SIDE ? LEAST_SIDE : wanted;
   return (side > MOST_SIDE ? MOST_SIDE : side) + RING;

@@ -2,6 +2,7 @@
 // maps, and specular reflections by rays that are cast in packets.
 #include "bake/capture/shade_batch.h"
 
+#include "bake/capture/texel_radiance.h"
 #include "core/result.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"
@@ -92,15 +93,10 @@ void olx_shade_batch_begin(olx_shade_batch *batch, uint32_t light_samples) {
   batch->averages_lobes = false;
 }
 
-// Rays meet texels of radiance from other directions than the probe's. In maps of radiance, lobes wider than this
-// (roughness 0.1) therefore contribute their average over views; narrower ones are stored as the probe sees them,
-// because a mirror with a blurred picture in it would look wrong. Irradiance sums light that really arrives at its
-// probe.
-static const float matte_alpha = 0.01f;
-
+// Lobes wider than OLX_SHARP_ALPHA contribute their average over views to light that is looked at from elsewhere.
 void olx_shade_refresh(olx_shade_batch *batch, uint32_t i) {
   const olx_bsdf *b = &batch->surface[i].bsdf;
-  const bool matte = batch->averages_lobes && b->alpha > matte_alpha;
+  const bool matte = batch->averages_lobes && b->alpha > OLX_SHARP_ALPHA;
   const float cosine = olx_dot(batch->surface[i].shading_normal, batch->view[i]);
   batch->reflects[i] = olx_bsdf_has_specular(b) && !matte;
   batch->diffuse[i] = olx_scale(matte ? olx_bsdf_matte(b).albedo : olx_bsdf_diffuse(b, cosine), 1.0f / OLX_PI);
@@ -154,7 +150,7 @@ static olx_vec3 reflected_light(const olx_shade_batch *batch, uint32_t i, const 
 
 // The rays of one batch towards one light group.
 typedef struct light_rays {
-  uint32_t group, samples; // and shadow rays a point sends in all
+  uint32_t group, samples; // the group's index; the number of shadow rays that a point sends to it
   bool varies;
   uint32_t count; // collected so far
   float gain;     // of what they bring

@@ -1,6 +1,6 @@
 // Fills the texels of a light field probe with the surfaces that they see: material and emission by rays, direct light
-// by shadow rays, indirect light by the baker's solution or by the plain reference, paths from every texel. Radiance as
-// the probe sees it is what that surface sends to the probe.
+// by shadow rays, indirect light by the solution or by paths from every texel, and radiance that these send to the
+// probe.
 #include "bake/capture/surface_capture.h"
 
 #include "bake/capture/sky_tiles.h"

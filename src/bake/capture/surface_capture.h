@@ -19,13 +19,13 @@ typedef struct olx_surface_capture {
   const olx_scene_light *light; // NULL: indirect light is the plain reference
   olx_gather_row *rows;         // one for each row of blocks of texels, to keep gathers; NULL: none are kept
   olx_vec3 *irradiance;         // indirect, where `light` gives it
-  float last_bounce;            // share of that light that is one bounce more than radiance holds
+  float last_bounce;            // share of indirect light that its last bounce adds, which radiance leaves out
   uint32_t *base, *direct, *indirect, *emission, *radiance; // `radiance` is NULL without probe light
   uint16_t *specular;
   olx_direct_estimate *estimates;
   olx_sky_guide *skies;        // one for each tile (sky_tiles.h); NULL where the sky sends no light
-  olx_surface_maker tiles;     // made from them, where they are wanted
-  olx_geometry_maker geometry; // the same for what `capture` holds of geometry
+  olx_surface_maker tiles;     // makes tiles of the maps above, where the field stores tiles
+  olx_geometry_maker geometry; // makes blocks of the geometry in `capture`, where the field stores blocks
   atomic_uint_fast64_t rays;   // cast so far
 } olx_surface_capture;
 

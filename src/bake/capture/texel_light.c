@@ -1,6 +1,5 @@
-// Reads the solved light of the scene at the surfaces that the texels of a probe see: at four texels of a block that
-// lies on one plane, at every texel elsewhere. Where light has to be gathered, texels near each other that lie on one
-// surface share the result.
+// Reads the solved light of the scene at what a probe's texels see: at four texels of a block that lies on one plane,
+// at every texel elsewhere. Where light has to be gathered, texels near each other on one surface share the result.
 #include "bake/capture/texel_light.h"
 
 #include "bake/capture/texel_blocks.h"
@@ -8,7 +7,7 @@
 #include "scene/bvh.h"
 
 enum {
-  SHARED_SHARE = 64,  // texels share gathered light over this part of a map's side, or less
+  SHARED_SHARE = 64,  // texels share gathered light over a map's side divided by this, or less
   MOST_TILE_SIDE = 4, // blocks
   ROOM_RAYS = 32
 };

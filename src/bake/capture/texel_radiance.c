@@ -6,11 +6,7 @@
 #include "light/ray_light.h"
 #include "scene/bvh.h"
 
-static const float MOST_MIRROR_ALPHA = 0.01f;
-
-bool olx_texel_is_mirror(const olx_bsdf *bsdf) {
-  return bsdf->alpha <= MOST_MIRROR_ALPHA && olx_bsdf_has_specular(bsdf);
-}
+bool olx_texel_is_mirror(const olx_bsdf *bsdf) { return bsdf->alpha <= OLX_SHARP_ALPHA && olx_bsdf_has_specular(bsdf); }
 
 olx_vec3 olx_texel_reflected(const olx_bsdf *bsdf, float cosine, olx_vec3 irradiance) {
   const olx_vec3 albedo = olx_texel_is_mirror(bsdf) ? olx_bsdf_diffuse(bsdf, cosine) : olx_bsdf_matte(bsdf).albedo;

@@ -9,6 +9,9 @@
 #include "light/scene_light.h"
 #include "scene/sampler.h"
 
+// The widest lobe that is traced for the probe's view: a roughness of 0.1.
+#define OLX_SHARP_ALPHA 0.01f
+
 // Returns whether the surface's specular lobe is traced for the probe's view.
 bool olx_texel_is_mirror(const olx_bsdf *bsdf);
 

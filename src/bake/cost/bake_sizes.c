@@ -83,7 +83,7 @@ static olx_result expected_of(const olx_bake_run *b, const olx_field_header *hea
   return OLX_OK;
 }
 
-// "12 light field and 27 irradiance probes"
+// A text that names numbers of probes, such as "12 light field and 27 irradiance probes".
 typedef struct probes_text {
   char text[80];
 } probes_text;
@@ -191,7 +191,8 @@ olx_result olx_bake_check_machine(const olx_scene *scene, const olx_bake_setting
   return check_disk(&sizes, expected.file + expected.spooled, path);
 }
 
-// The expected size with maps of another size, or the least size where that is beyond the budget already.
+// Computes the expected size of the field with maps of another size, or only its least size where that is beyond the
+// budget already.
 static olx_result size_with_maps(const olx_scene *scene, const olx_bake_settings *settings, uint32_t radiance_size,
                                  double budget, uint64_t *bytes) {
   olx_bake_settings resized = *settings;

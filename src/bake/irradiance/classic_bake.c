@@ -2,12 +2,13 @@
 // parallax correction. "Classic" maps are prefiltered radiance and irradiance without visibility, the baseline.
 #include "bake/irradiance/classic_bake.h"
 
-#include "bake/capture/morton.h"
 #include "core/hooks.h"
+#include "core/morton.h"
 #include "core/pack.h"
 #include "core/result.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"
+#include "scene/texel_samples.h"
 
 #include <string.h>
 
@@ -17,10 +18,6 @@ enum {
   SALT_BLOCK = 0x434C4153,
   SALT_SCATTER = 0x43534341
 };
-
-// Offset of samples from texel centres: from a probe placed symmetrically in a room, rays through the centres would hit
-// edges of walls exactly, where it is undetermined which wall they hit.
-static const olx_vec2 sample_offset = {0.5078125f, 0.48828125f};
 
 enum { NO_SIDE = 6 };
 
@@ -37,11 +34,12 @@ static uint32_t cube_texel(const olx_classic_bake *b, uint32_t tile, uint32_t i)
 static void cast_tile(const olx_classic_bake *b, olx_shade_scratch *scratch, uint32_t tile) {
   const uint32_t n = b->filter.cube_size;
   const float step = 2.0f / (float)n;
+  const olx_vec2 offset = olx_texel_sample_offset();
   for (uint32_t i = 0; i < OLX_BATCH_POINTS; i++) {
     const uint32_t texel = cube_texel(b, tile, i);
     const olx_cube_face face = olx_cube_face_of(texel / (n * n));
-    const float u = ((float)(texel % n) + sample_offset.x) * step - 1.0f,
-                v = ((float)(texel / n % n) + sample_offset.y) * step - 1.0f;
+    const float u = ((float)(texel % n) + offset.x) * step - 1.0f,
+                v = ((float)(texel / n % n) + offset.y) * step - 1.0f;
     scratch->directions[i] = olx_normalize(olx_cube_direction(&face, u, v));
     scratch->rays[i] = (olx_ray){b->position, scratch->directions[i], 0.0f, INFINITY};
   }
@@ -125,14 +123,12 @@ static const float share_outside = 0.1f;
 
 enum { BINS = 4096 };
 
-static float axis_of(olx_vec3 v, uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 // Returns the solid angle of everything that is seen beyond a side at `place`.
 static float seen_beyond(const olx_classic_bake *b, uint32_t side, float place, float tolerance) {
   const uint32_t face = b->filter.cube_size * b->filter.cube_size;
   float sum = 0.0f;
   for (uint32_t texel = 0; texel < OLX_CUBE_FACES * face; texel++) {
-    const float at = axis_of(b->place[texel], side / 2), beyond = side & 1u ? at - place : place - at;
+    const float at = olx_component(b->place[texel], side / 2), beyond = side & 1u ? at - place : place - at;
     if (beyond > tolerance) sum += b->filter.face_solid_angle[texel % face];
   }
   return sum;
@@ -146,7 +142,7 @@ static bool outer_side(const olx_classic_bake *b, uint32_t side, float extent, f
   float weight[BINS] = {0}, moment[BINS] = {0}, total = 0.0f;
   for (uint32_t texel = 0; texel < OLX_CUBE_FACES * face; texel++) {
     if (b->side[texel] != side) continue;
-    const float share = b->filter.face_solid_angle[texel % face], at = axis_of(b->place[texel], side / 2);
+    const float share = b->filter.face_solid_angle[texel % face], at = olx_component(b->place[texel], side / 2);
     const uint32_t bin = (uint32_t)olx_clamp(at / extent * BINS, 0.0f, BINS - 1);
     weight[bin] += share;
     moment[bin] += share * at;

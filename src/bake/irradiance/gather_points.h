@@ -3,8 +3,8 @@
 #ifndef OLX_BAKE_GATHER_POINTS_H
 #define OLX_BAKE_GATHER_POINTS_H
 
-#include "bake/capture/morton.h"
 #include "bake/irradiance/quadrature.h"
+#include "core/morton.h"
 #include "core/sampling.h"
 
 enum {

@@ -30,9 +30,10 @@ olx_quadrature olx_quadrature_shape(uint32_t irradiance_size);
 olx_result olx_quadrature_create(uint32_t irradiance_size, olx_quadrature *quadrature);
 void olx_quadrature_free(olx_quadrature *quadrature);
 
+// Texels along the sides of a block, for which sums run together.
+enum { OLX_BLOCK_COLUMNS = 8, OLX_BLOCK_ROWS = 2 };
 // Computes irradiance from the radiance of the cells, for row `row` of blocks (OLX_BLOCK_ROWS rows of texels) of a map
 // of `size`^2 texels whose rows are `stride` texels apart.
-enum { OLX_BLOCK_COLUMNS = 8, OLX_BLOCK_ROWS = 2 };
 void olx_quadrature_irradiance(const olx_quadrature *quadrature, const olx_vec3 *radiance, uint32_t size, uint32_t row,
                                olx_vec3 *map, uint32_t stride);
 

@@ -22,7 +22,7 @@ enum {
 // A surface point, its measured irradiance and how it is interpolated.
 typedef struct fit_point {
   olx_vec3 position, normal; // moved off the surface
-  olx_vec3 direct;           // irradiance from surfaces that carry direct light alone; of the solution all of it
+  olx_vec3 direct;           // irradiance from surfaces with direct light alone; with a solution, from all light
   olx_vec3 measured;         // irradiance of the bounce that was fitted last
   olx_vec3 residual;         // measured less interpolated irradiance
   olx_irradiance_weights weights;

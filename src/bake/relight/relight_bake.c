@@ -226,9 +226,6 @@ static void put(output *o, const void *data, size_t size_bytes) {
   o->next += size_bytes;
 }
 
-// Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
-static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
-
 static void store_reflectance(olx_relight_surfel *stored, const olx_bsdf *bsdf) {
   const olx_bsdf specular = {.f0 = bsdf->f0, .f90 = bsdf->f90, .alpha = bsdf->alpha};
   const float all = olx_luminance(olx_bsdf_matte(bsdf).albedo), part = olx_luminance(olx_bsdf_matte(&specular).albedo);
@@ -243,16 +240,17 @@ static olx_relight_surfel stored_surfel(const olx_relight_bake *b, uint32_t inde
   const olx_scene_light_parts parts = olx_scene_light_open(b->light);
   const olx_light_surfel *s = &parts.surfels->surfels[index];
   olx_relight_surfel stored = {.irradiance = olx_rgb9e5_pack(parts.irradiance[index])};
-  const olx_surface_point *points = parts.surfels->points + s->first_point;
+  const olx_surfel_point *points = parts.surfels->points + s->first_point;
   float area = 0.0f, passed = 0.0f;
-  for (uint32_t k = 0; k < s->point_count; k++) area += area_of(&points[k]);
+  for (uint32_t k = 0; k < s->point_count; k++) area += olx_surfel_point_area(&points[k]);
   for (uint32_t i = 0, k = 0; i < OLX_RELIGHT_POINTS; i++) {
     const float wanted = area * ((float)i + 0.5f) / OLX_RELIGHT_POINTS;
-    while (k + 1 < s->point_count && passed + area_of(&points[k]) < wanted) passed += area_of(&points[k++]);
-    const olx_surface surface = olx_surface_point_surface(b->context->scene, &points[k]);
+    while (k + 1 < s->point_count && passed + olx_surfel_point_area(&points[k]) < wanted)
+      passed += olx_surfel_point_area(&points[k++]);
+    const olx_surface surface = olx_surfel_point_surface(b->context->scene, &points[k]);
     olx_store3(stored.points[i], olx_surface_ray(&surface, surface.geometric_normal, INFINITY).origin);
   }
-  const olx_surface middle = olx_surface_point_surface(b->context->scene, &s->point);
+  const olx_surface middle = olx_surfel_point_surface(b->context->scene, &s->point);
   stored.normal = olx_normal_pack(middle.shading_normal);
   store_reflectance(&stored, &middle.bsdf);
   return stored;

@@ -2,8 +2,8 @@
 // which probe sees which point.
 #include "bake/selectors/probe_views.h"
 
-#include "bake/capture/morton.h"
 #include "core/hooks.h"
+#include "core/morton.h"
 #include "core/pack.h"
 #include "core/result.h"
 #include "scene/bvh.h"

@@ -12,8 +12,8 @@ typedef struct olx_probe_views {
   uint16_t *normal; // olx_normal_pack, towards the probe
 } olx_probe_views;
 
-// Creates maps as large as the radiance maps, or as large as a bounded amount of memory allows. The caller frees them,
-// also after a failure.
+// Creates maps as large as the light field maps, but of at most 128 texels along a side, and smaller ones where there
+// are so many probes that memory would grow too large. The caller frees them, also after a failure.
 olx_result olx_probe_views_create(const olx_selector_input *input, olx_probe_views *views);
 void olx_probe_views_free(olx_probe_views *views);
 

@@ -6,7 +6,7 @@
 #include "field/field_data.h"
 #include "scene/scene_data.h"
 
-// Buried probes are never queried, so no structure needs to name them.
+// Buried probes are left out by default, so only the tree of voronoi holds them, for lookups that keep them.
 typedef struct olx_selector_input {
   const olx_scene *scene;
   const olx_vec3 *positions; // positions of the light field probes

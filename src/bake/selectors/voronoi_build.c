@@ -79,7 +79,7 @@ static void sort_tree(const olx_selector_input *input, tree_entry *entries, uint
                       uint32_t axis) {
   if (end - begin < 2) return;
   for (uint32_t i = begin; i < end; i++) {
-    entries[i].coordinate = olx_coordinate(input->positions[entries[i].probe], axis);
+    entries[i].coordinate = olx_component(input->positions[entries[i].probe], axis);
   }
   qsort(entries + begin, end - begin, sizeof *entries, compare_entries);
   const uint32_t middle = olx_middle(begin, end), next = (axis + 1) % 3;

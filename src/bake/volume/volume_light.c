@@ -9,9 +9,6 @@
 
 enum { PACKET = 64, PROBES_PER_JOB = 4, SALT_DIRECTION = 0x564F4C44, SALT_LIGHT = 0x564F4C4C, VIEW_SIDE = 64 };
 
-// What the cosine makes of each band of radiance (Ramamoorthi and Hanrahan 2001).
-static const float cosine_band[OLX_VOLUME_BANDS] = {OLX_PI, 2.0f / 3.0f * OLX_PI, 0.25f * OLX_PI};
-
 typedef struct light_job {
   const olx_volume_light *volume;
   const olx_vec3 *positions;
@@ -76,7 +73,7 @@ static void light_probe(const light_job *j, uint32_t probe, uint64_t *cast) {
   }
   for (uint32_t i = 0; i < OLX_HARMONICS_MOST; i++) {
     const uint32_t band = i == 0 ? 0 : i < 4 ? 1 : 2;
-    sums[i] = olx_scale(sums[i], cosine_band[band] / (olx_harmonics_mean_square(i) * (float)v->rays));
+    sums[i] = olx_scale(sums[i], olx_harmonics_cosine(band) / (olx_harmonics_mean_square(i) * (float)v->rays));
   }
   olx_harmonics_pack(sums, OLX_VOLUME_BANDS, j->irradiance + (size_t)OLX_VOLUME_HALVES * probe);
 }

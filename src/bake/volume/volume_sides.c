@@ -1,6 +1,5 @@
-// Separates the sides of a cell: places spread over the cell are connected where they see each other, and unconnected
-// sets of places are separated by the planes of the triangles between them. Space outside all rooms is separated as
-// well.
+// Separates the sides of a cell, and the space outside all rooms: places spread over the cell are connected where they
+// see each other, and unconnected sets of places are separated by planes of triangles between them.
 #include "bake/volume/volume_sides.h"
 
 #include "core/sampling.h"

@@ -235,7 +235,7 @@ static bool is_still_unserved(const olx_former_surfels *former, const olx_light_
   return olx_cell_table_get(&former->same, cell) != OLX_CELL_NONE;
 }
 
-bool olx_link_still_ends(olx_link *link, const olx_surface_point *point, const olx_former_surfels *former,
+bool olx_link_still_ends(olx_link *link, const olx_surfel_point *point, const olx_former_surfels *former,
                          const olx_light_surfels *now) {
   const uint32_t end = olx_link_end(link);
   if (end == OLX_LINK_NOWHERE) return true;

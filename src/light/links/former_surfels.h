@@ -54,7 +54,7 @@ void olx_former_surfels_free(olx_former_surfels *former);
 
 // Returns whether a ray of the earlier scene that found `link` ends at the same now, and gives the link its surfel's
 // number of now. `point` is read where the link is unserved. Without `former` the surfels are the same.
-bool olx_link_still_ends(olx_link *link, const olx_surface_point *point, const olx_former_surfels *former,
+bool olx_link_still_ends(olx_link *link, const olx_surfel_point *point, const olx_former_surfels *former,
                          const olx_light_surfels *now);
 
 #endif

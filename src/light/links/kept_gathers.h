@@ -35,7 +35,7 @@ typedef struct olx_kept_gather {
 // The gathers of one row. Zero-initialize.
 typedef struct olx_gather_row {
   olx_byte_writer kept;
-  olx_byte_reader former;            // at the first gather for another scene that was not passed yet
+  olx_byte_reader former;            // reads gathers kept for another scene, from the first that was not passed yet
   uint64_t changed;                  // slots that differ from that scene's
   uint64_t rays, reused;             // first rays of all gathers, and those that were not cast
   const olx_former_surfels *earlier; // that scene's surfels; NULL: they are the same

@@ -167,7 +167,7 @@ typedef struct olx_former_unit {
   const uint32_t *weights; // NULL: those of links
   const kept_light *lights;
   const olx_link *links;
-  const olx_surface_point *points;
+  const olx_surfel_point *points;
   uint32_t *first_point, *first_light; // of each surfel; owned
 } olx_former_unit;
 

@@ -65,7 +65,7 @@ typedef struct olx_former_surfel {
 typedef struct olx_former_ray {
   bool holds;
   olx_link link;
-  const olx_surface_point *point; // where the link is unserved
+  const olx_surfel_point *point; // where the link is unserved
   olx_kept_ray kept;
 } olx_former_ray;
 

@@ -7,7 +7,7 @@
 
 enum {
   OLX_LINK_PACKET = 64,      // rays that are cast together
-  OLX_CHAIN_MOST = 4,        // surfaces that may pass a ray on before it is dropped
+  OLX_CHAIN_MOST = 4,        // surfaces that a ray may reach; the last one counts as matte and passes nothing on
   OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
   OLX_LINK_CHAIN_MASK = 3
 };

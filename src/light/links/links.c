@@ -20,10 +20,10 @@ typedef struct cast_job {
   atomic_bool *out_of_memory;
 } cast_job;
 
-static void add_point(cast_job *c, olx_point_list *list, const olx_surface_point *point) {
+static void add_point(cast_job *c, olx_point_list *list, const olx_surfel_point *point) {
   if (list->count == list->capacity) {
     const uint32_t capacity = list->capacity ? 2 * list->capacity : 64;
-    olx_surface_point *larger = olx_allocate(capacity, sizeof *larger);
+    olx_surfel_point *larger = olx_allocate(capacity, sizeof *larger);
     if (!larger) {
       atomic_store(c->out_of_memory, true);
       return;
@@ -180,7 +180,7 @@ static void record(cast_job *c, uint32_t job, uint32_t n, uint32_t first, const 
 static void cast_surfel(cast_job *c, uint32_t n, uint32_t job) {
   const olx_light_surfels *s = c->caster.surfels;
   const uint32_t number = olx_link_surfel(c->batch, n);
-  const olx_surface surface = olx_surface_point_surface(s->scene, &s->surfels[number].point);
+  const olx_surface surface = olx_surfel_point_surface(s->scene, &s->surfels[number].point);
   const ray_plan plan = plan_of(s, c->batch, number);
   const uint64_t check = check_of(c, &plan);
   olx_former_surfel former = olx_former_rays_find(c->keeping.former, number, check);
@@ -212,7 +212,7 @@ olx_ray_sum olx_links_add_up(const olx_light_surfels *surfels, uint32_t surfel, 
   const olx_ray_caster caster = {.surfels = surfels};
   const olx_link_batch batch = {.guide = guide, .first_ray = first, .rays = count};
   const ray_plan plan = plan_of(surfels, &batch, surfel);
-  const olx_surface surface = olx_surface_point_surface(surfels->scene, &surfels->surfels[surfel].point);
+  const olx_surface surface = olx_surfel_point_surface(surfels->scene, &surfels->surfels[surfel].point);
   olx_ray_sum sum = {.worth = plan.worth * (float)count};
   double mean = 0.0, square = 0.0;
   olx_ray_place next = {0};

@@ -9,11 +9,9 @@
 #include "core/pack.h"
 #include "light/links/ray_ends.h"
 
-// Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
-// OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
-// there.
+// A list of points that grows.
 typedef struct olx_point_list {
-  olx_surface_point *points;
+  olx_surfel_point *points;
   uint32_t count, capacity;
 } olx_point_list;
 
@@ -24,7 +22,9 @@ typedef struct olx_cast_keeping {
   atomic_uint_fast64_t *reused;         // counts those rays; NULL without `kept`
 } olx_cast_keeping;
 
-// `keeping` may be NULL. Adds all rays to *rays, including those that still hold and are not cast again.
+// Casts the rays of a batch. When `unserved` is not NULL, ends at surfaces without a surfel are marked
+// OLX_LINK_UNSERVED and their points appended to it, in the order of the links; otherwise their rays continue from
+// there. `keeping` may be NULL. Adds all rays to *rays, including those that still hold and are not cast again.
 olx_result olx_links_cast(const olx_light_surfels *surfels, olx_link_batch *batch, olx_fixed_light *fixed,
                           olx_point_list *unserved, const olx_cast_keeping *keeping, uint64_t *rays);
 

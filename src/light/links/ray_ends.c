@@ -46,7 +46,7 @@ static olx_link link_to(const olx_ray_caster *c, const olx_surface *surface, con
                         uint32_t chain, float distance, olx_ray_end *end) {
   const olx_light_surfels *s = c->surfels;
   if (olx_max3(weight) <= 0.0f) return olx_ray_end_none().link;
-  end->point = olx_surface_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
+  end->point = olx_surfel_point_make(&s->grid, surface, hit, RAY_FOOTPRINT * distance);
   const float most_side = c->ends_unserved ? MOST_SERVED * distance : INFINITY;
   const olx_surfel_found found = olx_light_surfels_find(s, end->point.key, surface, most_side);
   olx_link link = {.end = OLX_LINK_UNSERVED | chain << OLX_LINK_CHAIN_SHIFT, .weight = olx_rgb9e5_pack(weight)};

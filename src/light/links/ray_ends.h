@@ -39,7 +39,7 @@ static inline olx_ray_draw olx_ray_draw_in_bin(const olx_bin_sequence *sequence,
 // What one ray brings, if it counts as one of evenly drawn rays.
 typedef struct olx_ray_end {
   olx_link link;
-  olx_surface_point point;        // valid where the link is unserved
+  olx_surfel_point point;         // valid where the link is unserved
   olx_vec3 fixed[OLX_CHAIN_MOST]; // as in olx_fixed_light, without the factor pi
   olx_vec3 near;                  // a sample of the light of surfaces near lamps, in the unit of `fixed`
   uint64_t needs;                 // slots of olx_scene_inputs that it depends on

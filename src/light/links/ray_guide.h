@@ -54,8 +54,8 @@ void olx_guide_learn(olx_ray_pool *pool, const olx_guide_sums *sums);
 void olx_guide_divide(const olx_ray_pool *pool, uint32_t rays, uint16_t bins[OLX_GUIDE_BINS]);
 
 // The points of a (0, 2)-sequence over the square by bins: of every 64 consecutive points one lies in each bin, so that
-// point `number` of a bin is a point of the sequence, whatever number of points other bins have. Where all bins have as
-// many, they form the sequence's beginning, with its even distribution.
+// point `number` of a bin is a point of the sequence, whatever number of points other bins have. Where all bins have
+// the same number of points, these form the sequence's beginning, with its even distribution.
 typedef struct olx_bin_sequence {
   uint32_t seed;
   uint8_t x[OLX_GUIDE_SIDE], y[OLX_GUIDE_SIDE]; // digits before scrambling of each column and row

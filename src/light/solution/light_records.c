@@ -57,7 +57,7 @@ static void find_varying(void *user, uint32_t job) {
   const uint32_t first = job * RECORDS_PER_JOB;
   const uint32_t end = first + RECORDS_PER_JOB < places->count ? first + RECORDS_PER_JOB : places->count;
   for (uint32_t i = first; i < end; i++) {
-    const olx_surface surface = olx_surface_point_surface(v->light->scene, &places->surfels[i].point);
+    const olx_surface surface = olx_surfel_point_surface(v->light->scene, &places->surfels[i].point);
     v->varies[i] = olx_light_varies(v->light, &surface);
   }
 }
@@ -141,7 +141,7 @@ static void light_some(void *user, uint32_t job) {
   const uint32_t first = j->first + job * RECORDS_PER_JOB;
   const uint32_t end = first + RECORDS_PER_JOB < j->end ? first + RECORDS_PER_JOB : j->end;
   for (uint32_t i = first; i < end; i++) {
-    const olx_surface surface = olx_surface_point_surface(j->light->scene, &r->places.surfels[i].point);
+    const olx_surface surface = olx_surfel_point_surface(j->light->scene, &r->places.surfels[i].point);
     const uint32_t batches = olx_light_record_batches(j->light, r->surfel_of[i]);
     r->irradiance[i] = olx_light_gather(j->light, &surface, batches, NULL);
     j->rays[job] += (uint64_t)batches * OLX_GATHER_RAYS;

@@ -17,7 +17,7 @@ typedef struct olx_scene_light_settings {
   uint32_t map_size; // texels along the side of the probes' maps: surfels are no denser than these texels, or than
                      // those of 64^2 maps
   uint64_t most_links;      // most links in memory; beyond it, rays leave none (final_gather.h); default 2^27
-  uint64_t most_final_rays; // most rays of one of the two rounds that leave no links, which bounds time; default 2^28
+  uint64_t most_final_rays; // most rays of a round of final rays or of records, which leave no links; default 2^28
   uint32_t seed;            // seed of random numbers
   uint32_t threads;         // 0: one per processor
   olx_task *task;           // may be NULL

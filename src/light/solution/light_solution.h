@@ -32,7 +32,7 @@ typedef struct olx_light_records {
   olx_light_surfels places; // a place for each record, and its cell; without points, and found by the lookup alone
   uint32_t *surfel_of;      // the surfel whose cell the record's is part of
   olx_vec3 *irradiance;     // W/m^2
-  uint32_t lit, round;      // number of records with light, which those after them get in this round of dividing
+  uint32_t lit, round;      // number of records that have light, while others get it; round of dividing
   olx_surfel_lookup lookup; // of the records with light
 } olx_light_records;
 
@@ -76,7 +76,7 @@ struct olx_scene_light {
   olx_ray_sum *gathered;         // per visible surfel, of its links and final rays; NULL: there are no final rays
   olx_ray_sum *found;            // per visible surfel, of the final rays of this round
   uint32_t *final_rays;          // per visible surfel, number of final rays in this round
-  uint32_t gathering;            // number of this round
+  uint32_t gathering;            // number of the current round of final rays
   uint32_t visible;    // number of surfels on surfaces that probes see; the others, which only pass light on, come
                        // after them
   uint32_t served;     // number of surfels that have rays or get them next

@@ -13,6 +13,7 @@
 #include "light/solution/light_records.h"
 #include "scene/bvh.h"
 #include "scene/direct_light.h"
+#include "scene/texel_samples.h"
 
 enum {
   FIRST_RAYS = 64,          // per surfel in the first round
@@ -29,38 +30,39 @@ enum {
   SALT_DIRECT = 0x44495245
 };
 
-// The surfaces that probes see, one ray for each 2 x 2 texels.
+// Finds the surfaces that probes see, by one ray for each 2 x 2 texels or by fewer (view_side).
 typedef struct view_job {
   const olx_scene_light *light;
   const olx_vec3 *positions;
-  uint32_t size;             // rays along the side of a probe's map
-  olx_surface_point *points; // size^2 per probe
-  uint32_t *counts;          // number of points in each row of rays
+  uint32_t size;            // rays along the side of a probe's map
+  olx_surfel_point *points; // size^2 per probe
+  uint32_t *counts;         // number of points in each row of rays
 } view_job;
 
 static void view_row(void *user, uint32_t row) {
   const view_job *v = user;
   const uint32_t size = v->size, probe = row / size, y = row % size;
+  const olx_vec2 offset = olx_texel_sample_offset();
   olx_ray rays[MOST_VIEW_SIDE] = {0};
   olx_ray_hit hits[MOST_VIEW_SIDE];
   for (uint32_t x = 0; x < size; x++) {
-    const olx_vec2 uv = {((float)x + 0.5078125f) / (float)size, ((float)y + 0.48828125f) / (float)size};
+    const olx_vec2 uv = {((float)x + offset.x) / (float)size, ((float)y + offset.y) / (float)size};
     rays[x] = (olx_ray){v->positions[probe], olx_octahedral_decode(uv), 0.0f, INFINITY};
   }
   olx_bvh_intersect_many(v->light->scene->bvh, rays, size, true, hits);
-  olx_surface_point *points = v->points + (size_t)row * size;
+  olx_surfel_point *points = v->points + (size_t)row * size;
   uint32_t count = 0;
   for (uint32_t x = 0; x < size; x++) {
     if (hits[x].triangle == OLX_NO_HIT) continue;
     const olx_surface surface = olx_surface_at(v->light->scene, &hits[x], rays[x].direction);
     const float footprint = hits[x].t * 2.5f / (float)v->light->settings.map_size;
-    points[count++] = olx_surface_point_make(&v->light->surfels.grid, &surface, &hits[x], footprint);
+    points[count++] = olx_surfel_point_make(&v->light->surfels.grid, &surface, &hits[x], footprint);
   }
   v->counts[row] = count;
 }
 
-// Returns the number of rays along the side of a probe's view: fewer for many probes, because they see the same
-// surfaces.
+// Returns the number of rays along the side of a probe's view: fewer for large maps, and for many probes, because they
+// see the same surfaces.
 static uint32_t view_side(uint32_t map_size, uint32_t probes) {
   uint32_t side = map_size / 2 < MOST_VIEW_SIDE ? map_size / 2 : MOST_VIEW_SIDE;
   while (side > LEAST_VIEW_SIDE && (uint64_t)side * side * probes > MOST_VIEW_RAYS) side /= 2;
@@ -129,8 +131,8 @@ static void link_to_new(olx_scene_light *l, olx_link_patch *patch) {
     olx_link *link = &batch->links[i];
     if (i % batch->rays == 0 && i > 0) olx_link_batch_passed(batch, (uint32_t)(i / batch->rays) - 1, &from);
     if (olx_link_end(link) != OLX_LINK_UNSERVED) continue;
-    const olx_surface_point *point = &l->unserved.points[patch->count];
-    const olx_surface surface = olx_surface_point_surface(l->scene, point);
+    const olx_surfel_point *point = &l->unserved.points[patch->count];
+    const olx_surface surface = olx_surfel_point_surface(l->scene, point);
     const olx_surfel_found found = olx_light_surfels_find(&l->surfels, point->key, &surface, INFINITY);
     if (found.surfel != OLX_CELL_NONE) link->end = (link->end & ~OLX_LINK_NOWHERE) | found.surfel;
     else olx_link_go_on(&l->surfels, batch, i, &surface, l->links.fixed, &l->report.rays);
@@ -182,19 +184,16 @@ typedef struct direct_job {
   uint64_t *rays;      // one per job
 } direct_job;
 
-// Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
-static float area_of(const olx_surface_point *point) { return point->footprint * point->footprint; }
-
 // What the points of a cell receive.
 typedef struct cell_sum {
   olx_vec3 light;
   float least, most; // of the luminance that suns bring
 } cell_sum;
 
-static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface_point *point,
+static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surfel_point *point,
                       uint32_t k, cell_sum *sum, uint64_t *rays) {
   const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
-  const olx_surface surface = olx_surface_point_surface(s->scene, point);
+  const olx_surface surface = olx_surfel_point_surface(s->scene, point);
   olx_sampler sampler = {.seed = seed, .index = k};
   sum->light = olx_add(sum->light, olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, &sampler, rays));
   const float sun = olx_luminance(olx_direct_irradiance_of_suns(s->scene, &surface, rays));
@@ -212,13 +211,14 @@ static uint32_t reach_of(const cell_sum *sum, float mean) {
 // the cell lie near probes.
 static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
   const olx_light_surfels *s = &d->light->surfels;
-  const olx_surface_point *points = s->points + surfel->first_point;
+  const olx_surfel_point *points = s->points + surfel->first_point;
   float area = 0.0f, passed = 0.0f;
-  for (uint32_t i = 0; i < surfel->point_count; i++) area += area_of(&points[i]);
+  for (uint32_t i = 0; i < surfel->point_count; i++) area += olx_surfel_point_area(&points[i]);
   cell_sum sum = {.least = INFINITY};
   for (uint32_t k = 0, i = 0; k < d->points; k++) {
     const float wanted = area * ((float)k + 0.5f) / (float)d->points;
-    while (i + 1 < surfel->point_count && passed + area_of(&points[i]) < wanted) passed += area_of(&points[i++]);
+    while (i + 1 < surfel->point_count && passed + olx_surfel_point_area(&points[i]) < wanted)
+      passed += olx_surfel_point_area(&points[i++]);
     add_point(s, surfel, &points[i], k, &sum, rays);
   }
   const olx_vec3 mean = olx_scale(sum.light, 1.0f / (float)d->points);

@@ -86,11 +86,11 @@ static olx_result begin_part(cast_stage *c, const batch_part *p) {
   return OLX_OK;
 }
 
-static olx_result append_points(olx_point_list *list, const olx_surface_point *points, uint32_t count) {
+static olx_result append_points(olx_point_list *list, const olx_surfel_point *points, uint32_t count) {
   if (count == 0) return OLX_OK;
   if (list->count + count > list->capacity) {
     const uint32_t capacity = list->count + count > 2 * list->capacity ? list->count + count : 2 * list->capacity;
-    olx_surface_point *larger = olx_allocate(capacity, sizeof *larger);
+    olx_surfel_point *larger = olx_allocate(capacity, sizeof *larger);
     if (!larger) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", capacity);
     if (list->count > 0) memcpy(larger, list->points, list->count * sizeof *larger);
     olx_release(list->points);
@@ -142,7 +142,7 @@ static olx_result load_found(cast_stage *c, const batch_part *p, uint64_t rays, 
     if (!c->settled) l->links.fixed[surfel] = fixed;
   }
   olx_bytes_copy(from, &count, 1, sizeof count);
-  const olx_surface_point *points = olx_bytes_get(from, count, sizeof *points);
+  const olx_surfel_point *points = olx_bytes_get(from, count, sizeof *points);
   if (c->settled || !points) return OLX_OK;
   l->report.rays += rays;
   return append_points(&l->unserved, points, count);
@@ -177,7 +177,7 @@ static olx_result make_room(olx_scene_light *l, uint32_t round) {
   return OLX_OK;
 }
 
-// Casts a batch as one piece, without a store.
+// Casts the batches of the round, each as one piece, without a store.
 static olx_result cast_whole(olx_scene_light *l) {
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     if (l->rounds_of[k] != l->round) continue;
@@ -389,8 +389,9 @@ static olx_result load_round(olx_scene_light *l, uint32_t round, bool settled) {
   return result;
 }
 
-// Loads what the next step needs: shading and settling need the links of every round, exploring only those of the last,
-// and final rays and records none. Exploring adds points, and those of visible surfels tell how cells may be divided.
+// Loads what settling the current phase needs: direct light and refining need the links of every round, exploring only
+// those of the last, and gathering and dividing none. Exploring adds points, and those of visible surfels tell how
+// cells may be divided.
 static olx_result load_for_settling(olx_scene_light *l) {
   OLX_TRY(need_points(l));
   if (l->phase == OLX_LIGHT_EXPLORING) return load_round(l, l->round, false);

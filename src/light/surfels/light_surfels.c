@@ -1,6 +1,5 @@
-// Divides the surfaces that probes and rays hit into cells with a surfel each: cells are halved until they are small
-// relative to the distance to what they see, or to the spacing of their points. Points of a cell that do not see each
-// other, as on the two sides of a thin wall, get separate surfels.
+// Divides the surfaces that probes and rays hit into cells, halved until they are small relative to the distance to
+// what they see, or to the spacing of their points. Points of a cell that see each other share a surfel.
 #include "light/surfels/light_surfels.h"
 
 #include "core/hooks.h"
@@ -26,26 +25,22 @@ static const float CLEAR_SHARE = 0.7f;
 // Offset above the surface of rays between surfels and points: this share of their length plus this share of the
 // world's extent.
 static const float LIFT_OF_DISTANCE = 0.03f, LIFT_OF_WORLD = 0x1p-21f;
-// The level of the initial cells, in halvings below the largest.
+// The level of the initial cells: two halvings below the largest.
 enum { FIRST_LEVEL = OLX_CELL_LEVELS - 3 };
 
-olx_surface_point olx_surface_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
-                                         float footprint) {
-  return (olx_surface_point){.key = olx_cell_key(grid, surface->position, surface->geometric_normal),
-                             .triangle = hit->triangle,
-                             .u = hit->u,
-                             .v = hit->v,
-                             .footprint = footprint,
-                             .back_face = surface->back_face};
+olx_surfel_point olx_surfel_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
+                                       float footprint) {
+  return (olx_surfel_point){.key = olx_cell_key(grid, surface->position, surface->geometric_normal),
+                            .triangle = hit->triangle,
+                            .u = hit->u,
+                            .v = hit->v,
+                            .footprint = footprint,
+                            .back_face = surface->back_face};
 }
 
-static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
-  return scene->positions[scene->indices[3 * (size_t)triangle + i]];
-}
-
-olx_surface olx_surface_point_surface(const olx_scene *scene, const olx_surface_point *p) {
-  const olx_vec3 a = corner(scene, p->triangle, 0), b = corner(scene, p->triangle, 1),
-                 c = corner(scene, p->triangle, 2);
+olx_surface olx_surfel_point_surface(const olx_scene *scene, const olx_surfel_point *p) {
+  const olx_vec3 a = olx_scene_corner(scene, p->triangle, 0), b = olx_scene_corner(scene, p->triangle, 1),
+                 c = olx_scene_corner(scene, p->triangle, 2);
   const olx_vec3 outward = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   const olx_ray_hit hit = {.triangle = p->triangle, .u = p->u, .v = p->v};
   olx_surface surface = olx_surface_at(scene, &hit, p->back_face ? outward : olx_negate(outward));
@@ -53,9 +48,9 @@ olx_surface olx_surface_point_surface(const olx_scene *scene, const olx_surface_
   return surface;
 }
 
-static olx_vec3 position_of(const olx_scene *scene, const olx_surface_point *p) {
-  const olx_vec3 a = corner(scene, p->triangle, 0), b = corner(scene, p->triangle, 1),
-                 c = corner(scene, p->triangle, 2);
+static olx_vec3 position_of(const olx_scene *scene, const olx_surfel_point *p) {
+  const olx_vec3 a = olx_scene_corner(scene, p->triangle, 0), b = olx_scene_corner(scene, p->triangle, 1),
+                 c = olx_scene_corner(scene, p->triangle, 2);
   return olx_madd(olx_madd(olx_scale(a, 1.0f - p->u - p->v), b, p->u), c, p->v);
 }
 
@@ -84,9 +79,9 @@ typedef struct place {
   olx_vec3 position, normal;
 } place;
 
-static place place_of(const olx_scene *scene, const olx_surface_point *p) {
-  const olx_vec3 a = corner(scene, p->triangle, 0), b = corner(scene, p->triangle, 1),
-                 c = corner(scene, p->triangle, 2);
+static place place_of(const olx_scene *scene, const olx_surfel_point *p) {
+  const olx_vec3 a = olx_scene_corner(scene, p->triangle, 0), b = olx_scene_corner(scene, p->triangle, 1),
+                 c = olx_scene_corner(scene, p->triangle, 2);
   const olx_vec3 outward = olx_normalize(olx_cross(olx_sub(b, a), olx_sub(c, a)));
   return (place){position_of(scene, p), p->back_face ? olx_negate(outward) : outward};
 }
@@ -213,7 +208,7 @@ typedef struct cell_work {
 
 typedef struct cell_round {
   olx_light_surfels *surfels;
-  olx_surface_point *points;
+  olx_surfel_point *points;
   cell_work *cells;
   uint32_t count;
   uint32_t least_points; // cells with fewer are not divided
@@ -284,7 +279,7 @@ static bool seem_clear(const cell_round *r, uint32_t first, uint32_t end, place 
 // Moves the points from `first` on that see the chosen one to the front; returns the end of that range.
 static uint32_t part(const cell_round *r, uint32_t first, uint32_t end, place chosen) {
   for (uint32_t i = first; i < end; i++) {
-    const olx_surface_point point = r->points[i];
+    const olx_surfel_point point = r->points[i];
     if (!is_clear(r->surfels, place_of(r->surfels->scene, &point), chosen)) continue;
     r->points[i] = r->points[first];
     r->points[first++] = point;
@@ -299,11 +294,11 @@ static void make_groups(const cell_round *r, cell_work *cell) {
     point_group *group = &cell->groups[cell->group_count++];
     if (cell->group_count > 1) {
       group->chosen = choose_point(r, cell, first);
-      const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
+      const olx_surface surface = olx_surfel_point_surface(s->scene, &r->points[group->chosen]);
       explore(s, &surface, olx_cell_at_level(r->points[group->chosen].key, cell->level),
               olx_cell_side(&s->grid, cell->level), &group->nearest);
     }
-    const olx_surface_point chosen = r->points[group->chosen];
+    const olx_surfel_point chosen = r->points[group->chosen];
     r->points[group->chosen] = r->points[first];
     r->points[first] = chosen;
     group->chosen = first;
@@ -319,8 +314,8 @@ static void make_groups(const cell_round *r, cell_work *cell) {
 static float explore_point(const cell_round *r, const cell_work *cell, uint32_t i) {
   const uint32_t count = cell->end - cell->first;
   const uint32_t offset = (uint32_t)((uint64_t)count * (2 * i + 1) / (2 * EXPLORED_POINTS));
-  const olx_surface_point *point = &r->points[cell->first + offset];
-  const olx_surface surface = olx_surface_point_surface(r->surfels->scene, point);
+  const olx_surfel_point *point = &r->points[cell->first + offset];
+  const olx_surface surface = olx_surfel_point_surface(r->surfels->scene, point);
   float nearest;
   return explore(r->surfels, &surface, point->key, olx_cell_side(&r->surfels->grid, cell->level), &nearest);
 }
@@ -330,7 +325,7 @@ static void examine_cell(const cell_round *r, cell_work *cell) {
   point_group *group = &cell->groups[0];
   group->chosen = choose_point(r, cell, cell->first);
   const float side = olx_cell_side(&s->grid, cell->level);
-  const olx_surface surface = olx_surface_point_surface(s->scene, &r->points[group->chosen]);
+  const olx_surface surface = olx_surfel_point_surface(s->scene, &r->points[group->chosen]);
   const uint64_t key = olx_cell_at_level(r->points[group->chosen].key, cell->level);
   float mean = explore(s, &surface, key, side, &group->nearest);
   const bool small = cell->level == 0 || cell->end - cell->first < r->least_points ||
@@ -348,7 +343,7 @@ static void examine_cells(void *user, uint32_t job) {
 }
 
 // Returns the end of the range of points from `first` on that lie in one cell of `level`.
-static uint32_t end_of_cell(const olx_surface_point *points, uint32_t first, uint32_t end, uint32_t level) {
+static uint32_t end_of_cell(const olx_surfel_point *points, uint32_t first, uint32_t end, uint32_t level) {
   const uint64_t key = olx_cell_at_level(points[first].key, level);
   uint32_t low = first + 1, high = end;
   while (low < high) {
@@ -363,7 +358,7 @@ static uint32_t end_of_cell(const olx_surface_point *points, uint32_t first, uin
 }
 
 // Finds the cells of `level` that hold points from `first` to `end`; returns their number.
-static uint32_t split(const olx_surface_point *points, uint32_t first, uint32_t end, uint32_t level, cell_work *cells) {
+static uint32_t split(const olx_surfel_point *points, uint32_t first, uint32_t end, uint32_t level, cell_work *cells) {
   uint32_t count = 0;
   while (first < end) {
     const uint32_t next = end_of_cell(points, first, end, level);
@@ -385,7 +380,7 @@ static olx_result append_surfel(olx_light_surfels *s, const cell_round *r, const
     s->surfels = larger;
     s->capacity = capacity;
   }
-  const olx_surface_point *point = &r->points[group->chosen];
+  const olx_surfel_point *point = &r->points[group->chosen];
   const place at = place_of(s->scene, point);
   s->surfels[s->count++] = (olx_light_surfel){.cell = olx_cell_at_level(point->key, cell->level),
                                               .point = *point,
@@ -442,7 +437,7 @@ static olx_result settle_round(cell_round *r, uint32_t base, cell_work *next, ui
   return OLX_OK;
 }
 
-static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, uint32_t count, uint32_t base,
+static olx_result divide_cells(olx_light_surfels *s, olx_surfel_point *points, uint32_t count, uint32_t base,
                                cell_work *cells, cell_work *next) {
   cell_round r = {
       .surfels = s, .points = points, .cells = cells, .least_points = base == 0 ? LEAST_POINTS : LEAST_HIDDEN_POINTS};
@@ -463,7 +458,7 @@ static olx_result divide_cells(olx_light_surfels *s, olx_surface_point *points, 
 
 // Sorts points by cube face first, so that the points of a cell are consecutive on every level.
 static int by_cell(const void *a, const void *b) {
-  const olx_surface_point *p = a, *q = b;
+  const olx_surfel_point *p = a, *q = b;
   const uint64_t first = olx_cell_order(p->key), second = olx_cell_order(q->key);
   if (first != second) return first < second ? -1 : 1;
   if (p->triangle != q->triangle) return p->triangle < q->triangle ? -1 : 1;
@@ -472,8 +467,8 @@ static int by_cell(const void *a, const void *b) {
 }
 
 // Appends the points of the surfels, cell by cell.
-static olx_result keep_points(olx_light_surfels *s, const olx_surface_point *points, uint32_t count) {
-  olx_surface_point *all = olx_allocate((size_t)s->point_count + count, sizeof *all);
+static olx_result keep_points(olx_light_surfels *s, const olx_surfel_point *points, uint32_t count) {
+  olx_surfel_point *all = olx_allocate((size_t)s->point_count + count, sizeof *all);
   if (!all) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u points of surfaces", count);
   for (uint32_t i = 0; i < s->point_count; i++) all[i] = s->points[i];
   for (uint32_t i = 0; i < count; i++) all[s->point_count + i] = points[i];
@@ -484,7 +479,7 @@ static olx_result keep_points(olx_light_surfels *s, const olx_surface_point *poi
   return OLX_OK;
 }
 
-olx_result olx_light_surfels_add(olx_light_surfels *s, const olx_surface_point *points, uint32_t count) {
+olx_result olx_light_surfels_add(olx_light_surfels *s, const olx_surfel_point *points, uint32_t count) {
   const uint32_t base = s->point_count;
   OLX_TRY(keep_points(s, points, count));
   cell_work *cells = olx_allocate(count, sizeof *cells), *next = olx_allocate(count, sizeof *next);

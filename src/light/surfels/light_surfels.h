@@ -10,22 +10,24 @@
 #include "scene/surface.h"
 
 // A point of a surface that a ray of a probe or a surfel hit.
-typedef struct olx_surface_point {
+typedef struct olx_surfel_point {
   uint64_t key; // key of its finest cell
   uint32_t triangle;
   float u, v;      // barycentric weights of the second and third corner
   float footprint; // metres: spacing of the points that hit this surface; no cell needs to be smaller
   bool back_face;
-} olx_surface_point;
+} olx_surfel_point;
 
-olx_surface_point olx_surface_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
-                                         float footprint);
+olx_surfel_point olx_surfel_point_make(const olx_cell_grid *grid, const olx_surface *surface, const olx_ray_hit *hit,
+                                       float footprint);
+// Returns the relative area that a point of a cell represents: points were sampled by rays that spread out.
+static inline float olx_surfel_point_area(const olx_surfel_point *point) { return point->footprint * point->footprint; }
 // Returns the surface at a point, with its vertex normal for shading.
-olx_surface olx_surface_point_surface(const olx_scene *scene, const olx_surface_point *point);
+olx_surface olx_surfel_point_surface(const olx_scene *scene, const olx_surfel_point *point);
 
 typedef struct olx_light_surfel {
   uint64_t cell;
-  olx_surface_point point;
+  olx_surfel_point point;
   olx_vec3 position, normal;         // position, and geometric normal on the surfel's side
   float side;                        // side of its cell, metres
   float nearest;                     // metres to the nearest surface that its exploring rays hit; INFINITY for none
@@ -40,8 +42,8 @@ typedef struct olx_light_surfels {
   uint32_t seed; // seed of random numbers
   float spacing; // side of a cell as a share of the geometric mean distance
   uint32_t threads;
-  olx_task *task;            // may be NULL
-  olx_surface_point *points; // in olx_cell_order, batch after batch
+  olx_task *task;           // may be NULL
+  olx_surfel_point *points; // in olx_cell_order, batch after batch
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
@@ -63,7 +65,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *surfels, const olx_scene 
 void olx_light_surfels_free(olx_light_surfels *surfels);
 
 // Adds surfels for points that no cell covers yet. The points are copied; their order does not matter.
-olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surface_point *points, uint32_t count);
+olx_result olx_light_surfels_add(olx_light_surfels *surfels, const olx_surfel_point *points, uint32_t count);
 
 enum { OLX_CELL_PARTS = 8 };
 

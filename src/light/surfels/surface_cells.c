@@ -3,6 +3,7 @@
 #include "light/surfels/surface_cells.h"
 
 #include "core/hooks.h"
+#include "core/morton.h"
 #include "core/result.h"
 
 enum { AXIS_BITS = OLX_CELL_LEVELS + 1 };
@@ -23,15 +24,6 @@ olx_cell_grid olx_cell_grid_make(olx_vec3 scene_min, olx_vec3 scene_max) {
   };
 }
 
-static uint64_t spread_bits(uint32_t x) {
-  uint64_t b = x & 0x1FFFFFu;
-  b = (b | b << 32) & 0x1F00000000FFFFu;
-  b = (b | b << 16) & 0x1F0000FF0000FFu;
-  b = (b | b << 8) & 0x100F00F00F00F00Fu;
-  b = (b | b << 4) & 0x10C30C30C30C30C3u;
-  return (b | b << 2) & 0x1249249249249249u;
-}
-
 static uint32_t cell_coordinate(float from_corner, float finest) {
   return (uint32_t)olx_clamp(from_corner / finest, 0.0f, (float)((1u << AXIS_BITS) - 1));
 }
@@ -42,16 +34,16 @@ static uint32_t third(float x) { return x < -1.0f / 3.0f ? 0 : x > 1.0f / 3.0f ?
 // the axes lie in the middle.
 static uint32_t normal_bin(olx_vec3 n) {
   const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
-  if (x >= y && x >= z) return (n.x < 0.0f) * 9 + third(n.y / x) * 3 + third(n.z / x);
-  if (y >= z) return 18 + (n.y < 0.0f) * 9 + third(n.x / y) * 3 + third(n.z / y);
-  return 36 + (n.z < 0.0f) * 9 + third(n.x / z) * 3 + third(n.y / z);
+  if (x >= y && x >= z) return (n.x < 0.0f) * OLX_CELL_BINS_A_FACE + third(n.y / x) * 3 + third(n.z / x);
+  if (y >= z) return (2 + (n.y < 0.0f)) * OLX_CELL_BINS_A_FACE + third(n.x / y) * 3 + third(n.z / y);
+  return (4 + (n.z < 0.0f)) * OLX_CELL_BINS_A_FACE + third(n.x / z) * 3 + third(n.y / z);
 }
 
 uint64_t olx_cell_key(const olx_cell_grid *grid, olx_vec3 position, olx_vec3 normal) {
   const olx_vec3 p = olx_sub(position, grid->corner);
-  const uint64_t code = spread_bits(cell_coordinate(p.x, grid->finest)) |
-                        spread_bits(cell_coordinate(p.y, grid->finest)) << 1 |
-                        spread_bits(cell_coordinate(p.z, grid->finest)) << 2;
+  const uint64_t code = olx_morton_spread(cell_coordinate(p.x, grid->finest)) |
+                        olx_morton_spread(cell_coordinate(p.y, grid->finest)) << 1 |
+                        olx_morton_spread(cell_coordinate(p.z, grid->finest)) << 2;
   return (code | UINT64_C(1) << (3 * AXIS_BITS)) << OLX_CELL_BIN_BITS | normal_bin(normal);
 }
 

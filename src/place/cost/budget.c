@@ -12,12 +12,12 @@
 
 enum {
   PLACES = 64,       // in space, from which texels are sampled before there are probes
-  VOLUME_CELLS = 32, // these are the defaults of bakes
-  SAMPLES = 2,
-  BOUNCES = 32
+  VOLUME_CELLS = 32, // the default of bakes
+  SAMPLES = 2,       // the default of bakes
+  BOUNCES = 128      // the default of bakes
 };
 
-// Maps as bakes make them by default.
+// Returns the maps that a bake with default settings makes.
 static olx_planned_maps planned(const olx_scene *scene, const olx_vec3 *positions, uint32_t count, uint32_t size) {
   return (olx_planned_maps){.scene = scene,
                             .positions = positions,

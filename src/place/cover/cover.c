@@ -26,10 +26,10 @@ enum {
   PILOT_POINTS = 4096,
   RARE_COLUMNS = 8192,
   TARGETS = 96,      // most uncovered surfels per round for which positions are sought
-  TARGET_PLACES = 2, // positions for each of them, of the number tried that follows
-  TARGET_TRIES = 8,
-  DENSER = 8, // size of the sample that finds what is missing, relative to the common columns
-  MOVES = 10, // positions tried around a probe
+  TARGET_PLACES = 2, // positions kept for each such surfel
+  TARGET_TRIES = 8,  // positions tried for each such surfel
+  DENSER = 8,        // size of the sample that finds what is missing, relative to the common columns
+  MOVES = 10,        // positions tried around a probe
   MOST_ROUNDS = 20,
   LEAST_STEP = 8, // probes that a round may add before another dense sample is drawn, or a quarter of those placed so
                   // far

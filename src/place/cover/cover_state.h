@@ -47,8 +47,8 @@ void olx_cover_state_free(olx_cover_state *state);
 
 // Appends candidates, as many as there is room for, and computes their rows.
 olx_result olx_cover_add_candidates(olx_cover_state *state, const olx_candidate *list, uint32_t count, olx_task *task);
-// Settles the uncovered columns, and appends those surfels of a sample of `sampled` that too few probes see according
-// to `views` and that can be covered, as far as there is room.
+// Settles the uncovered columns, and appends those surfels of `sample` that too few probes see according to `views` and
+// that can be covered, as far as there is room.
 olx_result olx_cover_renew(olx_cover_state *state, const olx_surfels *sample, const uint8_t *views);
 
 static inline uint8_t *olx_cover_row(const olx_cover_state *s, uint32_t candidate) {

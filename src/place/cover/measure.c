@@ -8,9 +8,9 @@
 #include "place/space/space_find.h"
 
 enum {
-  HELD_OUT = 4, // number of held-out surfels relative to those of placement, within these bounds:
-  LEAST_HELD_OUT = 16000,
-  MOST_HELD_OUT = 200000,
+  HELD_OUT = 4,             // held-out surfels for each surfel of placement
+  LEAST_HELD_OUT = 16000,   // the fewest held-out surfels
+  MOST_HELD_OUT = 200000,   // the most held-out surfels
   TILE_POINTS = 256,        // area points per tile, where there are many
   HELD_OUT_SEED = 0x0DDBA11 // distinct from all seeds of placement
 };

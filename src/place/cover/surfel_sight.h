@@ -31,10 +31,11 @@ typedef struct olx_surfel {
   olx_surfel_fate fate;
 } olx_surfel;
 
+// The least quality at which a surfel counts as seen.
+#define OLX_QUALITY_LEAST 208
 // Returns the quality at which a surfel is seen from `place` without occlusion: 0 when it faces away, is seen at a
 // grazing angle or with too large a footprint; otherwise from OLX_QUALITY_LEAST to 255, higher for steep angles and
 // small distances.
-#define OLX_QUALITY_LEAST 208
 uint8_t olx_sight_quality(const olx_sight *sight, olx_vec3 place, const olx_surfel *surfel);
 
 #endif

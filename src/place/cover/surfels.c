@@ -3,6 +3,7 @@
 #include "place/cover/surfels.h"
 
 #include "core/hooks.h"
+#include "core/morton.h"
 #include "core/parallel.h"
 #include "core/result.h"
 #include "core/sampling.h"
@@ -19,16 +20,6 @@ enum {
   VANTAGE_RAYS = 64
 };
 
-// Spreads bits so that they occupy every third bit, from bit 0.
-static uint64_t spread_bits(uint64_t x) {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFF;
-  x = (x | x << 16) & 0x1F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 typedef struct morton_entry {
   uint64_t code;
   uint32_t index;
@@ -44,18 +35,14 @@ static uint64_t morton_code(const olx_scene *scene, olx_vec3 p) {
   const olx_vec3 extent = olx_sub(scene->bounds_max, scene->bounds_min);
   const float scale = (float)((1 << 20) - 1) / olx_max(olx_max3(extent), 1e-30f);
   const olx_vec3 q = olx_scale(olx_sub(p, scene->bounds_min), scale);
-  return spread_bits((uint64_t)olx_max(q.x, 0.0f)) | spread_bits((uint64_t)olx_max(q.y, 0.0f)) << 1 |
-         spread_bits((uint64_t)olx_max(q.z, 0.0f)) << 2;
-}
-
-static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
-  return scene->positions[scene->indices[3 * (size_t)triangle + i]];
+  return olx_morton_spread((uint64_t)olx_max(q.x, 0.0f)) | olx_morton_spread((uint64_t)olx_max(q.y, 0.0f)) << 1 |
+         olx_morton_spread((uint64_t)olx_max(q.z, 0.0f)) << 2;
 }
 
 // Cross product of two edges: along the winding's normal, with a length of twice the area.
 static olx_vec3 doubled_area(const olx_scene *scene, uint32_t triangle) {
-  const olx_vec3 a = corner(scene, triangle, 0);
-  return olx_cross(olx_sub(corner(scene, triangle, 1), a), olx_sub(corner(scene, triangle, 2), a));
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0);
+  return olx_cross(olx_sub(olx_scene_corner(scene, triangle, 1), a), olx_sub(olx_scene_corner(scene, triangle, 2), a));
 }
 
 typedef struct olx_area_point area_point;
@@ -81,7 +68,8 @@ static olx_result order_triangles(const olx_scene *scene, morton_entry **order) 
   *order = olx_allocate(scene->triangle_count, sizeof **order);
   if (!*order) return olx_fail(OLX_ERROR_MEMORY, "place: no memory for %u triangles", scene->triangle_count);
   for (uint32_t t = 0; t < scene->triangle_count; t++) {
-    const olx_vec3 sum = olx_add(corner(scene, t, 0), olx_add(corner(scene, t, 1), corner(scene, t, 2)));
+    const olx_vec3 sum =
+        olx_add(olx_scene_corner(scene, t, 0), olx_add(olx_scene_corner(scene, t, 1), olx_scene_corner(scene, t, 2)));
     (*order)[t] = (morton_entry){morton_code(scene, olx_scale(sum, 1.0f / 3.0f)), t};
   }
   qsort(*order, scene->triangle_count, sizeof **order, compare_entries);
@@ -114,7 +102,8 @@ static olx_vec2 point_uv(area_point at, uint32_t seed) {
 }
 
 static olx_vec3 point_on(const olx_scene *scene, uint32_t triangle, olx_vec2 uv) {
-  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), b = olx_scene_corner(scene, triangle, 1),
+                 c = olx_scene_corner(scene, triangle, 2);
   return olx_madd(olx_madd(a, olx_sub(b, a), uv.x), olx_sub(c, a), uv.y);
 }
 
@@ -161,7 +150,8 @@ void olx_area_points_free(olx_area_points *all) {
 // Sets up both sides of a point of a triangle.
 static void set_up_sides(const atlas_maker *m, uint32_t index, uint32_t triangle, olx_vec2 uv) {
   const olx_scene *scene = m->ask.space->scene;
-  const olx_vec3 a = corner(scene, triangle, 0), b = corner(scene, triangle, 1), c = corner(scene, triangle, 2);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), b = olx_scene_corner(scene, triangle, 1),
+                 c = olx_scene_corner(scene, triangle, 2);
   const olx_vec3 p = point_on(scene, triangle, uv);
   const float epsilon = olx_surface_epsilon(scene, triangle);
   // Offsets a point away from edges, where walls meet, as the renderer does for its rays.

@@ -13,20 +13,17 @@ enum { SAMPLES = 1024 };
 // Floors are no steeper than this angle's cosine; when fewer rays than this share hit anything, the height is unknown.
 static const float LEAST_UP = 0.9f, LEAST_HITS = 0.1f;
 
-static olx_vec3 corner(const olx_scene *scene, uint32_t triangle, uint32_t i) {
-  return scene->positions[scene->indices[3 * (size_t)triangle + i]];
-}
-
 // Returns the area of a triangle that faces up, seen from above and doubled; 0 of others.
 static double floor_area(const olx_scene *scene, uint32_t triangle) {
-  const olx_vec3 a = corner(scene, triangle, 0);
-  const olx_vec3 n = olx_cross(olx_sub(corner(scene, triangle, 1), a), olx_sub(corner(scene, triangle, 2), a));
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0);
+  const olx_vec3 n =
+      olx_cross(olx_sub(olx_scene_corner(scene, triangle, 1), a), olx_sub(olx_scene_corner(scene, triangle, 2), a));
   return n.y > LEAST_UP * olx_length(n) ? (double)n.y : 0.0;
 }
 
 static bool cast_up(const olx_scene *scene, uint32_t triangle, uint32_t sample, float *distance) {
-  const olx_vec3 a = corner(scene, triangle, 0), u = olx_sub(corner(scene, triangle, 1), a),
-                 v = olx_sub(corner(scene, triangle, 2), a);
+  const olx_vec3 a = olx_scene_corner(scene, triangle, 0), u = olx_sub(olx_scene_corner(scene, triangle, 1), a),
+                 v = olx_sub(olx_scene_corner(scene, triangle, 2), a);
   float s = olx_unit_float(olx_hash2(sample, 1)), t = olx_unit_float(olx_hash2(sample, 2));
   if (s + t > 1.0f) {
     s = 1.0f - s;

@@ -26,14 +26,12 @@ static float beyond(const olx_box *box, int side, olx_vec3 p) {
   return side < 2 ? over.x : side < 4 ? over.y : over.z;
 }
 
-static float along_axis(olx_vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 // Returns the side through which the normal at a point of a surface leaves the box, or SIDES when it does so far away.
 static int outer_side(const olx_box *box, float diagonal, olx_vec3 p, olx_vec3 normal) {
   float nearest = LEAST_ROOM * diagonal;
   int found = SIDES;
   for (int side = 0; side < SIDES; side++) {
-    const float speed = side & 1 ? along_axis(normal, side / 2) : -along_axis(normal, side / 2);
+    const float speed = side & 1 ? olx_component(normal, side / 2) : -olx_component(normal, side / 2);
     if (!(speed > 0.0f) || -beyond(box, side, p) >= nearest * speed) continue;
     nearest = -beyond(box, side, p) / speed;
     found = side;

@@ -5,16 +5,16 @@
 #include "place/space/space.h"
 
 enum {
-  OLX_TILE_EDGE = 128,  // voxels along a tile, where there are several
+  OLX_TILE_EDGE = 128,  // voxels along an edge of a tile, where there are several
   OLX_TILE_OVERLAP = 16 // voxels around a tile that are opened with it
 };
 // With several tiles, numbers of samples in the settings of a placement are per this many voxels of space.
 #define OLX_SETTINGS_VOXELS ((double)(1u << 20))
 
-// Both flood the box of interest (space_box.h). The flood begins at the cameras (a camera outside the box enters where it
-// looks) and at pinned probes. Without a camera that can enter, it fills all of the playable box that is not inside
-// geometry or, without a box, the largest such space that light reaches. Without a playable box, space behind the
-// scenery (outdoors.h) is excluded.
+// The next two functions flood the box of interest (space_box.h). The flood begins at the cameras (a camera outside the
+// box enters where it looks) and at pinned probes. Without a camera that can enter, it fills all of the playable box
+// that is not inside geometry or, without a box, the largest such space that light reaches. Without a playable box,
+// space behind the scenery (outdoors.h) is excluded.
 //
 // Finds the space in one tile, with `resolution` voxels along its longest side. Returns OLX_ERROR_EMPTY when there is
 // none.

@@ -57,7 +57,7 @@ static void mark_brick(void *user, const int32_t c[3]) {
   __atomic_store_n(flags, MARKED, __ATOMIC_RELAXED);
 }
 
-// Pass two: marks the voxels of those bricks.
+// Second pass: marks the voxels that surfaces touch, in the bricks that the first pass marked.
 static void mark_voxel(void *user, const int32_t c[3]) {
   const olx_world *w = user;
   const uint32_t voxel[3] = {(uint32_t)c[0], (uint32_t)c[1], (uint32_t)c[2]};

@@ -20,7 +20,6 @@ olx_result olx_build_holodeck(olx_scene *scene) {
   }
   const olx_prism hall = {.outline = outline,
                           .points = POINTS,
-                          .plane = OLX_PLANE_XZ,
                           .low = 0.0f,
                           .high = 3.5f,
                           .low_material = floor,

@@ -152,18 +152,14 @@ olx_result olx_add_cylinder(olx_scene *scene, const char *name, olx_vec3 base, f
   return olx_add_lathe(scene, name, base, profile, 3, 48, material);
 }
 
-static olx_vec3 prism_point(const olx_prism *prism, olx_vec2 p, float along) {
-  return prism->plane == OLX_PLANE_XZ ? olx_v3(p.x, along, p.y) : olx_v3(p.x, p.y, along);
-}
-
 olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *prism) {
   const float low = prism->low, high = prism->high;
   for (uint32_t i = 0; i < prism->points; i++) {
     const olx_vec2 here = prism->outline[i], next = prism->outline[(i + 1) % prism->points];
-    const olx_vec3 side[4] = {prism_point(prism, here, low), prism_point(prism, next, low),
-                              prism_point(prism, next, high), prism_point(prism, here, high)};
-    const olx_vec3 caps[6] = {prism_point(prism, prism->center, low),  side[1], side[0],
-                              prism_point(prism, prism->center, high), side[3], side[2]};
+    const olx_vec3 side[4] = {olx_v3(here.x, low, here.y), olx_v3(next.x, low, next.y), olx_v3(next.x, high, next.y),
+                              olx_v3(here.x, high, here.y)};
+    const olx_vec3 caps[6] = {olx_v3(prism->center.x, low, prism->center.y),  side[1], side[0],
+                              olx_v3(prism->center.x, high, prism->center.y), side[3], side[2]};
     static const uint32_t indices[3] = {0, 1, 2};
     OLX_TRY(olx_add_quad(scene, name, side, prism->side_materials[i]));
     OLX_TRY(olx_scene_add_mesh(scene, name, caps, NULL, NULL, 3, indices, 1, prism->low_material));

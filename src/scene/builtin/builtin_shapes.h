@@ -19,10 +19,12 @@ olx_result olx_add_ceiling_light(olx_scene *scene, olx_vec3 center, float side, 
 
 olx_result olx_add_quad(olx_scene *scene, const char *name, const olx_vec3 corners[4], uint32_t material);
 
-// Adds the six faces of a box, visible from outside or, as a room, from inside. Materials are in the order -x, +x, -y,
-// +y, -z, +z; OLX_NO_FACE omits a face. A block is a box without the faces in `open`, where it touches something.
+// In place of a material: the face is omitted.
 #define OLX_NO_FACE UINT32_MAX
+// Faces of a block that touch something and are left out, as bits.
 enum { OLX_OPEN_X0 = 1, OLX_OPEN_X1 = 2, OLX_OPEN_Y0 = 4, OLX_OPEN_Y1 = 8, OLX_OPEN_Z0 = 16, OLX_OPEN_Z1 = 32 };
+// Adds the six faces of a box, visible from outside or, as a room, from inside; a room's materials are in the order -x,
+// +x, -y, +y, -z, +z. A block is a box without the faces in `open`.
 olx_result olx_add_box(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t material);
 olx_result olx_add_block(olx_scene *scene, const char *name, olx_vec3 low, olx_vec3 high, uint32_t open,
                          uint32_t material);
@@ -37,21 +39,17 @@ olx_result olx_add_lathe(olx_scene *scene, const char *name, olx_vec3 base, cons
 olx_result olx_add_cylinder(olx_scene *scene, const char *name, olx_vec3 base, float radius, float height,
                             uint32_t material);
 
-// Adds a hall on an outline that is wholly visible from `center`, shown from inside. In the plane xz the outline turns
-// from +x to +z and the prism extends from `low` to `high` along y; in the plane xy it turns from +y to +x, and the
-// prism along z.
-typedef enum olx_plane { OLX_PLANE_XZ, OLX_PLANE_XY } olx_plane;
-
+// An upright prism. Its outline lies in the plane xz, turns from +x to +z, and is wholly visible from `center`.
 typedef struct olx_prism {
   const olx_vec2 *outline;
   uint32_t points;
   olx_vec2 center;
-  olx_plane plane;
-  float low, high;
+  float low, high; // heights of its ends
   uint32_t low_material, high_material;
   const uint32_t *side_materials; // material of the side from point i to the next
 } olx_prism;
 
+// Adds a hall in the form of a prism, visible from inside.
 olx_result olx_add_prism(olx_scene *scene, const char *name, const olx_prism *prism);
 
 // A sheet without thickness that hangs down from the edge at `top` (along `across`), with waves that grow downwards.

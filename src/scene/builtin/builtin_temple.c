@@ -1,6 +1,5 @@
-// Builds the temple, after Wang's iconic temple (Fig. 1.1): a corridor between colossal pillars, with stairs on both
-// sides up to galleries. These have a second row of pillars, arcades between them, and blind arches along the walls.
-// The space under stairs and galleries is open between the flights and at the ends of the hall.
+// Builds the temple, after Wang's iconic temple (Fig. 1.1): a corridor between colossal pillars, stairs on both sides
+// to galleries with pillars, arcades and blind arches, and open space under stairs and galleries.
 #include "core/result.h"
 #include "scene/builtin/builtin_scenes.h"
 #include "scene/builtin/builtin_shapes.h"

@@ -16,8 +16,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAX_REPEATED_WARNINGS 32u
-#define LARGEST_ALBEDO 0.95f
 #define DEGREES (OLX_PI / 180.0f)
 
 // What a texture keeps of a texture that a description replaces in part.
@@ -64,7 +62,7 @@ static olx_result open_object(description *d, const place *at, const char *const
   if (!cJSON_IsObject(at->object)) return fail(d, at, "", "expected an object { ... }");
   const cJSON *item = NULL;
   cJSON_ArrayForEach(item, at->object) {
-    if (is_known(item->string, known) || ++d->unknown_keys > MAX_REPEATED_WARNINGS) continue;
+    if (is_known(item->string, known) || ++d->unknown_keys > OLX_MOST_WARNINGS_OF_A_KIND) continue;
     olx_scene_warn(d->scene, "%s: unknown key \"%s%s%.100s\" is ignored", d->path, at->name, at->name[0] ? "." : "",
                    item->string);
   }
@@ -358,9 +356,9 @@ static olx_result read_material_change(description *d, const place *at, material
   if (!(c.x >= 0.0f && c.y >= 0.0f && c.z >= 0.0f && olx_max3(c) <= 1.0f)) {
     return fail(d, at, "base_color", "each channel must be within 0 to 1");
   }
-  if (olx_max3(c) > LARGEST_ALBEDO) {
+  if (olx_max3(c) > OLX_MOST_ALBEDO) {
     olx_scene_warn(d->scene, "%s: %s.base_color: above 0.95, clamped", d->path, at->name);
-    change->base_color_value = olx_min_each(c, olx_splat(LARGEST_ALBEDO));
+    change->base_color_value = olx_min_each(c, olx_splat(OLX_MOST_ALBEDO));
   }
   return OLX_OK;
 }
@@ -598,8 +596,9 @@ static olx_result read_description(description *d, const place *root) {
   OLX_TRY(read_materials(d, root, true));
   OLX_TRY(read_materials(d, root, false));
   OLX_TRY(read_list(d, root, "lights", read_light));
-  if (d->unknown_keys > MAX_REPEATED_WARNINGS) {
-    olx_scene_warn(d->scene, "%s: %u more unknown keys are ignored", d->path, d->unknown_keys - MAX_REPEATED_WARNINGS);
+  if (d->unknown_keys > OLX_MOST_WARNINGS_OF_A_KIND) {
+    olx_scene_warn(d->scene, "%s: %u more unknown keys are ignored", d->path,
+                   d->unknown_keys - OLX_MOST_WARNINGS_OF_A_KIND);
   }
   return OLX_OK;
 }

@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define LARGEST_ALBEDO 0.95f
-
 void olx_name_list_add(olx_name_list *list, const char *name) {
   const size_t used = strlen(list->names);
   if (!name[0]) name = "unnamed";
@@ -51,8 +49,8 @@ void olx_import_repair_material(olx_material_import *import, olx_material *m, bo
   repaired |= repair_number(&m->normal_scale, -1e4f, 1e4f, 1.0f);
   if (repaired) olx_name_list_add(&import->repaired, m->name);
   // With a texture, the product is clamped when it is sampled.
-  if (m->base_color_texture == OLX_NO_TEXTURE && olx_max3(m->base_color) > LARGEST_ALBEDO) {
-    m->base_color = olx_min_each(m->base_color, olx_splat(LARGEST_ALBEDO));
+  if (m->base_color_texture == OLX_NO_TEXTURE && olx_max3(m->base_color) > OLX_MOST_ALBEDO) {
+    m->base_color = olx_min_each(m->base_color, olx_splat(OLX_MOST_ALBEDO));
     olx_name_list_add(&import->clamped, m->name);
   }
 }

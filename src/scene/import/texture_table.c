@@ -12,8 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_REPEATED_WARNINGS 32u
-
 static olx_result make_room(olx_texture_table *table) {
   if (table->count < table->capacity) return OLX_OK;
   const uint32_t capacity = table->capacity ? table->capacity * 2 : 32;
@@ -90,12 +88,12 @@ olx_result olx_texture_table_decode(olx_texture_table *table, const char *model_
   for (uint32_t i = 0; i < table->count; ++i) {
     const olx_texture_request *request = &table->requests[i];
     if (!request->data) OLX_TRY(olx_scene_note_source(scene, request->path));
-    if (request->error[0] && ++missing <= MAX_REPEATED_WARNINGS) {
+    if (request->error[0] && ++missing <= OLX_MOST_WARNINGS_OF_A_KIND) {
       olx_scene_warn(scene, "%s: texture left out: %s", model_path, request->error);
     }
   }
-  if (missing > MAX_REPEATED_WARNINGS) {
-    olx_scene_warn(scene, "%s: %u more textures left out", model_path, missing - MAX_REPEATED_WARNINGS);
+  if (missing > OLX_MOST_WARNINGS_OF_A_KIND) {
+    olx_scene_warn(scene, "%s: %u more textures left out", model_path, missing - OLX_MOST_WARNINGS_OF_A_KIND);
   }
   return OLX_OK;
 }

@@ -12,8 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAX_REPEATED_WARNINGS 32u
-
 typedef struct obj_checker {
   const char *path;
   olx_scene *scene;
@@ -30,7 +28,7 @@ static void check_material_library(obj_checker *c, const char *name, size_t leng
   const int folder = name[0] == '/' || !slash ? 0 : (int)(slash - c->path) + 1;
   snprintf(library, sizeof library, "%.*s%.*s", folder, c->path, (int)length, name);
   if (access(library, R_OK) == 0) return;
-  if (++c->missing > MAX_REPEATED_WARNINGS) return;
+  if (++c->missing > OLX_MOST_WARNINGS_OF_A_KIND) return;
   olx_scene_warn(c->scene, "%s: material file %.*s not found", c->path, (int)length, name);
 }
 

@@ -31,18 +31,19 @@ void bench_folder_remove(const bench_folder *folder) {
 }
 
 bench_name bench_probes_name(const bench_probes *probes) {
+  const uint32_t *grid = probes->exact ? probes->exact->count : probes->grid;
   bench_name name;
-  int used;
+  int used = 0;
   if (probes->file) {
     const char *slash = strrchr(probes->file, '/');
     used = snprintf(name.text, sizeof name.text, "%.48s", slash ? slash + 1 : probes->file);
-  } else if (probes->grid[0]) {
-    used = snprintf(name.text, sizeof name.text, "%ux%ux%u grid", probes->grid[0], probes->grid[1], probes->grid[2]);
-  } else if (probes->optimize == OLX_OPTIMIZE_NONE) {
-    used = snprintf(name.text, sizeof name.text, "%u %s", probes->count, olx_place_method_name(probes->method));
+  } else if (grid[0]) {
+    used = snprintf(name.text, sizeof name.text, "%ux%ux%u grid", grid[0], grid[1], grid[2]);
   } else {
-    used = snprintf(name.text, sizeof name.text, "%u %s + %s", probes->count, olx_place_method_name(probes->method),
-                    olx_place_optimizer_name(probes->optimize));
+    const bool moved = probes->optimize != OLX_OPTIMIZE_NONE;
+    if (probes->count) used = snprintf(name.text, sizeof name.text, "%u ", probes->count);
+    used += snprintf(name.text + used, sizeof name.text - (size_t)used, "%s%s%s", olx_place_method_name(probes->method),
+                     moved ? " + " : "", moved ? olx_place_optimizer_name(probes->optimize) : "");
   }
   if (probes->texels != 512) snprintf(name.text + used, sizeof name.text - (size_t)used, ", %u^2", probes->texels);
   return name;

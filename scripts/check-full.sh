@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every check that needs no graphics device: make check-full. Takes 55 minutes on two processors. Tests on real scenes
-# run when OCTALUX_SCENES, or ../shared/scenes beside this checkout, contains them; otherwise they are skipped.
+# Every check that needs no graphics device: make check-full. Takes 52 minutes on two idle processors. Tests on real
+# scenes run when OCTALUX_SCENES, or ../shared/scenes beside this checkout, contains them; otherwise they are skipped.
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"
 

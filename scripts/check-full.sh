@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every check that needs no graphics device: make check-full. Takes 52 minutes on two idle processors. Tests on real
+# Every check that needs no graphics device: make check-full. CONTRIBUTING.md says how long it takes. Tests on real
 # scenes run when OCTALUX_SCENES, or ../shared/scenes beside this checkout, contains them; otherwise they are skipped.
 set -uo pipefail
 source "$(dirname "$0")/steps.sh"

@@ -443,7 +443,7 @@ OLX_GPU_STRUCT(olx_field_constants) {
   olx_gpu_uint compressed;   // 1: materials are packed as in blocks, whatever format their images have
   olx_gpu_uint planes_first; // of geometry blocks, in words
   olx_gpu_uint plane_count;
-  olx_gpu_float geometry_scale; // where a map of geometry blocks begins over where others do; 0: no blocks
+  olx_gpu_float geometry_scale; // stride of maps of geometry blocks over that of other maps; 0: no blocks
   olx_gpu_uint unused_1, unused_2;
   olx_gpu_uvec4 tile_words;  // where the tiles of base, specular, direct and indirect light begin, in words
   olx_gpu_uvec4 tile_blocks; // the number of blocks in the pool of each

@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-// Extracts every second bit of `index`: the column of a position on the curve of the plane; the row is that of index >>
-// 1.
+// Extracts every second bit of `index`: the column of a position on the curve of the plane. The row is the column of
+// index >> 1.
 static inline uint32_t olx_morton_coordinate(uint32_t index) {
   index &= 0x55555555u;
   index = (index | index >> 1) & 0x33333333u;

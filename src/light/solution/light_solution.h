@@ -32,7 +32,7 @@ typedef struct olx_light_records {
   olx_light_surfels places; // a place for each record, and its cell; without points, and found by the lookup alone
   uint32_t *surfel_of;      // the surfel whose cell the record's is part of
   olx_vec3 *irradiance;     // W/m^2
-  uint32_t lit, round;      // number of records that have light, while others get it; round of dividing
+  uint32_t lit, round;      // number of records that have light; number of the round that makes more
   olx_surfel_lookup lookup; // of the records with light
 } olx_light_records;
 

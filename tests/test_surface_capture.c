@@ -460,14 +460,33 @@ static olx_scene *room_with_a_gap(void) {
   return made_finish(scene);
 }
 
-// Texels of a block share the light that one of them has gathered as far as light hardly changes: in a gap that is a
-// centimetre, and a block here is five wide. Of the texels that see the ceiling beside the board and behind its edge
-// hardly one differs from what it would gather itself.
-static void texels_share_no_light_out_of_a_gap(void **state) {
-  (void)state;
+// A room whose only light is a lit spot of the floor, 30 cm wide, and a board 30 cm below the ceiling that hides it from
+// one half of the ceiling. The shadow's edge is 4 cm wide.
+static olx_scene *room_with_a_board(void) {
+  olx_scene *scene = made_scene();
+  const olx_material material = plain(olx_splat(0.5f));
+  const uint32_t grey = made_material(scene, &material);
+  made_box(scene, olx_v3(-1.5f, 0, -1.5f), olx_v3(1.5f, 2.5f, 1.5f), false, grey);
+  made_box(scene, olx_v3(-1.4f, 2.18f, -1.4f), olx_v3(0, 2.2f, 1.4f), true, grey);
+  add_light(scene, &(olx_light){.type = OLX_LIGHT_SPOT,
+                                .position = {0, 1.5f, 0},
+                                .direction = {0, -1, 0},
+                                .emission = olx_splat(10.0f),
+                                .cosine_inner = 0.9955f,
+                                .cosine_outer = 0.995f});
+  return made_finish(scene);
+}
+
+// Counts the texels that see a part of a scene, and those whose light is more than a share off the light that they
+// would gather themselves.
+typedef struct counted_texels {
+  uint32_t seen, off;
+} counted_texels;
+
+typedef bool texel_place(olx_vec3 position);
+
+static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_place *counts, float most) {
   enum { MAP = 512 };
-  olx_scene *scene = room_with_a_gap();
-  const olx_vec3 probe = {0.9f, 1.2f, 0.1f};
   const uint8_t flags[1] = {0};
   olx_scene_light_settings solving = olx_scene_light_settings_default();
   solving.noise = 0.05f;
@@ -484,32 +503,55 @@ static void texels_share_no_light_out_of_a_gap(void **state) {
   assert_true(irradiance && again);
   settings.threads = 1;
   assert_int_equal(olx_light_texels(&capture, light, NULL, irradiance), OLX_OK);
-  settings.threads = 3; // the light that blocks share does not depend on which thread lights which
+  settings.threads = 3; // the light that texels share does not depend on which thread lights which
   assert_int_equal(olx_light_texels(&capture, light, NULL, again), OLX_OK);
   assert_memory_equal(irradiance, again, (size_t)MAP * MAP * sizeof *again);
-  uint32_t seen = 0, off = 0;
+  counted_texels counted = {0};
   for (uint32_t i = 0; i < MAP * MAP; i++) {
     const olx_vec3 direction = olx_texel_direction(i % MAP, i / MAP, MAP);
     const olx_surface surface = olx_surface_at(scene, &capture.hits[i], direction);
-    const olx_vec3 p = surface.position;
-    if (p.y < 2.4999f || p.x < -0.05f || p.x > 0.05f || fabsf(p.z) > 0.4f) continue;
-    const float own = olx_luminance(olx_scene_light_gather(light, &surface, NULL));
+    if (!counts(surface.position)) continue;
+    const float own = olx_luminance(olx_scene_light_gather(light, &surface, NULL).irradiance);
     const float ratio = olx_luminance(irradiance[i]) / own;
-    seen++;
-    off += ratio > 1.5f || ratio < 1.0f / 1.5f;
+    counted.seen++;
+    counted.off += ratio > most || ratio < 1.0f / most;
   }
-  print_message("beside a gap %u of %u texels differ from what they would gather\n", off, seen);
-  assert_true(seen > 200 && off * 50 < seen);
   free(again);
   free(irradiance);
   olx_capture_free(&capture);
   olx_scene_light_free(light);
   olx_scene_free(scene);
+  return counted;
+}
+
+static bool is_beside_the_gap(olx_vec3 p) { return p.y > 2.4999f && p.x > -0.05f && p.x < 0.05f && fabsf(p.z) < 0.4f; }
+
+// Texels of a block share the light that one of them has gathered as far as light hardly changes: in a gap that is a
+// centimetre, and a block here is five wide. Of the texels that see the ceiling beside the board and behind its edge
+// hardly one differs from what it would gather itself.
+static void texels_share_no_light_out_of_a_gap(void **state) {
+  (void)state;
+  const counted_texels c = count_texels(room_with_a_gap(), olx_v3(0.9f, 1.2f, 0.1f), is_beside_the_gap, 1.5f);
+  print_message("beside a gap %u of %u texels differ from what they would gather\n", c.off, c.seen);
+  assert_true(c.seen > 200 && c.off * 50 < c.seen);
+}
+
+static bool is_at_the_edge(olx_vec3 p) { return p.y > 2.4999f && p.x > -0.05f && p.x < 0.05f && fabsf(p.z) < 0.4f; }
+
+// Texels share gathered light only where it hardly changes between them, so that an edge as narrow as the square over
+// which they may share is drawn where it is. When each took the light of the nearest that had gathered, 15 % of these
+// texels were off; single gathers, which texels store, differ by noise.
+static void texels_draw_a_narrow_edge_of_bounced_light(void **state) {
+  (void)state;
+  const counted_texels c = count_texels(room_with_a_board(), olx_v3(0.5f, 1.2f, 0.1f), is_at_the_edge, 1.5f);
+  print_message("at an edge %u of %u texels differ from what they would gather\n", c.off, c.seen);
+  assert_true(c.seen > 200 && c.off * 12 < c.seen);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(texels_share_no_light_out_of_a_gap),
+      cmocka_unit_test(texels_draw_a_narrow_edge_of_bounced_light),
       cmocka_unit_test(texels_share_no_light_across_an_edge),
       cmocka_unit_test(white_furnace_by_cache),
       cmocka_unit_test(white_furnace_by_reference),

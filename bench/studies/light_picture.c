@@ -42,7 +42,7 @@ static void draw_pixel(const picture *p, uint32_t x, uint32_t y, pixel *out) {
   olx_surface surface = olx_surface_at(p->scene, &hit, ray.direction);
   surface.shading_normal = olx_surface_vertex_normal(p->scene, &hit, &surface);
   const bool found = olx_scene_light_interpolate(p->light, &surface, &out->irradiance);
-  if (!found) out->irradiance = olx_scene_light_gather(p->light, &surface, NULL);
+  if (!found) out->irradiance = olx_scene_light_gather(p->light, &surface, NULL).irradiance;
   out->interpolated = found ? 1.0f : 0.0f;
   out->records = (float)olx_surfel_weigh(&p->light->records.lookup, &surface, false).count;
 }

@@ -91,13 +91,15 @@ bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *su
   return olx_light_interpolate(l, surface, irradiance);
 }
 
-olx_vec3 olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
-  return olx_light_gather(l, surface, olx_light_batches_at(l, surface), row);
+olx_gathered_light olx_scene_light_gather(const olx_scene_light *l, const olx_surface *surface, olx_gather_row *row) {
+  const olx_gather_plan plan = olx_light_plan_gather(l, surface);
+  return (olx_gathered_light){olx_light_gather(l, surface, plan.batches, row), plan.error};
 }
 
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *l, const olx_surface *surface) {
   olx_vec3 irradiance;
-  return olx_light_interpolate(l, surface, &irradiance) ? irradiance : olx_scene_light_gather(l, surface, NULL);
+  return olx_light_interpolate(l, surface, &irradiance) ? irradiance
+                                                        : olx_scene_light_gather(l, surface, NULL).irradiance;
 }
 
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *l, const olx_surface *surface) {

@@ -33,11 +33,17 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light);
 // Emitters and the sky seen directly are left out.
 olx_vec3 olx_scene_light_irradiance(const olx_scene_light *light, const olx_surface *surface);
 
+// Light that rays of a point's own found.
+typedef struct olx_gathered_light {
+  olx_vec3 irradiance; // indirect, W/m^2
+  float error;         // the standard error expected of it, as a share of the light around; 0 where that is unknown
+} olx_gathered_light;
+
 // The two methods of olx_scene_light_irradiance. Interpolation returns false where surfels do not determine the light
 // of the point; a gather casts 256 to 1,024 rays, the more the noisier light is there, which takes at least about fifty
 // times as long. `row` keeps what they find; it may be NULL.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
-olx_vec3 olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface, olx_gather_row *row);
+olx_gathered_light olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface, olx_gather_row *row);
 
 // Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. Together with the surface's direct
 // light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.

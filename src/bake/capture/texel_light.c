@@ -1,19 +1,32 @@
 // Reads the solved light of the scene at what a probe's texels see: at four texels of a block that lies on one plane,
-// at every texel elsewhere. Where light has to be gathered, texels near each other on one surface share the result.
+// at every texel elsewhere. Where light has to be gathered, it is interpolated between texels that gathered alike light.
 #include "bake/capture/texel_light.h"
 
 #include "bake/capture/texel_blocks.h"
 #include "core/sampling.h"
 #include "scene/bvh.h"
 
+#include <float.h>
+
 enum {
   SHARED_SHARE = 64,  // texels share gathered light over a map's side divided by this, or less
   MOST_TILE_SIDE = 4, // blocks
-  ROOM_RAYS = 32
+  ROOM_RAYS = 32,
+  QUADRANTS = 4,
+  LAST = OLX_BLOCK_SIDE - 1,
+  NEXT = 2 // how far a texel may lie from another whose light it takes, unless it lies between two
 };
+// The corners of a block.
+#define CORNERS (1u | 1u << LAST | 1u << OLX_BLOCK_SIDE * LAST | 1u << (OLX_BLOCK_TEXELS - 1))
+
 // Texels share gathered light over this part of the harmonic mean distance to what either of them sees, or less: light
 // changes over a distance in proportion to that (Ward et al. 1988).
 static const float SHARED_ROOM = 0.2f;
+// Light is interpolated between texels whose light differs by at most this share of it, or this multiple of the
+// standard error that is expected of them.
+static const float ALIKE = 0.25f, ALIKE_ERRORS = 1.5f;
+// Light is interpolated between the corners of a block on one plane where it differs by at most this share.
+static const float FLAT_ALIKE = 0.5f;
 
 typedef struct texel_light {
   const olx_capture *capture;
@@ -30,16 +43,23 @@ static olx_gather_row *row_of(const texel_light *t, uint32_t block) {
 typedef struct gathered_texel {
   uint32_t x, y; // in the map
   const olx_surface *surface;
-  olx_vec3 irradiance;
+  olx_gathered_light light;
   float reach;
 } gathered_texel;
 
 // A square of blocks whose texels share gathered light.
 typedef struct light_tile {
+  uint32_t block, side; // its first block, and the blocks along its side
   olx_block_surfaces blocks[MOST_TILE_SIDE * MOST_TILE_SIDE];
+  uint32_t wanted[MOST_TILE_SIDE * MOST_TILE_SIDE]; // bit i: the light of texel i of a block is read
   gathered_texel gathered[MOST_TILE_SIDE * MOST_TILE_SIDE * OLX_BLOCK_TEXELS];
   uint32_t count;
 } light_tile;
+
+// Returns the number of the k-th block of a tile in the map.
+static uint32_t block_of(const texel_light *t, const light_tile *tile, uint32_t k) {
+  return tile->block + k / tile->side * (t->capture->size / OLX_BLOCK_SIDE) + k % tile->side;
+}
 
 // Returns how far from a surface point others share its light.
 static float reach_of(const texel_light *t, const olx_surface *surface) {
@@ -70,60 +90,155 @@ static bool reach(const texel_light *t, gathered_texel *a, gathered_texel *b, fl
   return squared <= olx_square(b->reach);
 }
 
-// Returns the gathered texel nearest to another of the tile, less than a share of the map's side from it, among those
-// that lie on its surface and within reach; NULL when there is none.
-static const gathered_texel *find_gathered(const texel_light *t, light_tile *tile, gathered_texel *texel) {
+// The gathered texels nearest to another in each quadrant of the map around it, and the squares of their distances.
+typedef struct texels_around {
+  const gathered_texel *nearest[QUADRANTS];
+  float squared[QUADRANTS];
+} texels_around;
+
+// Finds the gathered texels around another, less than a share of the map's side from it, among those that lie on its
+// surface and within reach.
+static texels_around find_around(const texel_light *t, light_tile *tile, gathered_texel *texel) {
   const uint32_t size = t->capture->size, shared = size / SHARED_SHARE, at = texel->y * size + texel->x;
-  const gathered_texel *found = NULL;
-  float least = INFINITY;
+  texels_around around = {.nearest = {NULL}};
   for (gathered_texel *g = tile->gathered; g < tile->gathered + tile->count; g++) {
     if (difference(g->x, texel->x) >= shared || difference(g->y, texel->y) >= shared) continue;
+    const uint32_t quadrant = (g->x > texel->x) + 2 * (g->y > texel->y);
     const olx_vec3 way = olx_sub(g->surface->position, texel->surface->position);
     const float squared = olx_dot(way, way);
-    if (squared >= least || !olx_texel_shares(t->capture, at, texel->surface, g->surface)) continue;
+    if (around.nearest[quadrant] && squared >= around.squared[quadrant]) continue;
+    if (!olx_texel_shares(t->capture, at, texel->surface, g->surface)) continue;
     if (!reach(t, texel, g, squared)) continue;
-    least = squared;
-    found = g;
+    around.nearest[quadrant] = g;
+    around.squared[quadrant] = squared;
   }
-  return found;
+  return around;
 }
 
-// Returns the light of a texel of a block.
-static olx_vec3 light_of(const texel_light *t, uint32_t block, uint32_t i, const olx_surface *surface,
-                         light_tile *tile) {
-  const uint32_t at = olx_block_texel(t->capture, block, i), side = t->capture->size;
-  gathered_texel texel = {.x = at % side, .y = at / side, .surface = surface};
-  if (olx_scene_light_interpolate(t->light, surface, &texel.irradiance)) return texel.irradiance;
-  const gathered_texel *found = find_gathered(t, tile, &texel);
-  if (found) return found->irradiance;
-  texel.irradiance = olx_scene_light_gather(t->light, surface, row_of(t, block));
+// Returns whether a texel lies between those around it, or no farther from one than it takes light of a single one.
+static bool is_served(const texels_around *around, const gathered_texel *texel) {
+  for (uint32_t i = 0; i < QUADRANTS; i++) {
+    const gathered_texel *a = around->nearest[i];
+    if (!a) continue;
+    const int32_t x = (int32_t)a->x - (int32_t)texel->x, y = (int32_t)a->y - (int32_t)texel->y;
+    if (x >= -NEXT && x <= NEXT && y >= -NEXT && y <= NEXT) return true;
+    for (uint32_t j = i + 1; j < QUADRANTS; j++) {
+      const gathered_texel *b = around->nearest[j];
+      if (b && x * ((int32_t)b->x - (int32_t)texel->x) + y * ((int32_t)b->y - (int32_t)texel->y) < 0) return true;
+    }
+  }
+  return false;
+}
+
+// The range of some values of light.
+typedef struct light_range {
+  olx_vec3 least, most;
+} light_range;
+
+static const light_range NO_LIGHT = {{INFINITY, INFINITY, INFINITY}, {0, 0, 0}};
+
+static void widen(light_range *range, olx_vec3 light) {
+  range->least = olx_min_each(range->least, light);
+  range->most = olx_max_each(range->most, light);
+}
+
+// Returns whether the values differ by no more than a share of their middle.
+static bool are_alike(const light_range *range, float share) {
+  const float sum = olx_luminance(olx_add(range->most, range->least));
+  return olx_luminance(olx_sub(range->most, range->least)) <= 0.5f * share * sum;
+}
+
+// Interpolates between the gathered texels around another; returns false where they do not determine its light.
+static bool interpolate_around(const texels_around *around, const gathered_texel *texel, olx_vec3 *irradiance) {
+  if (!is_served(around, texel)) return false;
+  light_range range = NO_LIGHT;
+  olx_vec3 sum = {0};
+  float weights = 0.0f, error = 0.0f;
+  for (uint32_t i = 0; i < QUADRANTS; i++) {
+    const gathered_texel *g = around->nearest[i];
+    if (!g) continue;
+    const float weight = 1.0f / olx_max(around->squared[i], FLT_MIN);
+    sum = olx_madd(sum, g->light.irradiance, weight);
+    weights += weight;
+    widen(&range, g->light.irradiance);
+    error = olx_max(error, g->light.error);
+  }
+  *irradiance = olx_scale(sum, 1.0f / weights);
+  return are_alike(&range, olx_max(ALIKE, ALIKE_ERRORS * error));
+}
+
+// Lights texel i of the k-th block of a tile.
+static void light_texel(const texel_light *t, light_tile *tile, uint32_t k, uint32_t i) {
+  const uint32_t block = block_of(t, tile, k), at = olx_block_texel(t->capture, block, i), size = t->capture->size;
+  const olx_surface *surface = &tile->blocks[k].surface[i];
+  gathered_texel texel = {.x = at % size, .y = at / size, .surface = surface};
+  olx_vec3 *irradiance = &t->irradiance[at];
+  if (olx_scene_light_interpolate(t->light, surface, irradiance)) return;
+  const texels_around around = find_around(t, tile, &texel);
+  if (interpolate_around(&around, &texel, irradiance)) return;
+  texel.light = olx_scene_light_gather(t->light, surface, row_of(t, block));
+  *irradiance = texel.light.irradiance;
   tile->gathered[tile->count++] = texel;
-  return texel.irradiance;
 }
 
-static void interpolate(const texel_light *t, uint32_t block, const olx_surface *surface, light_tile *tile) {
-  enum { LAST = OLX_BLOCK_SIDE - 1 };
-  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1};
+// Returns how often a side is halved until this place is the first or the last of a part.
+static uint32_t fineness(uint32_t place, uint32_t side) {
+  uint32_t halvings = 0;
+  for (uint32_t part = side; place % part != 0 && place % part != part - 1; part /= 2) halvings++;
+  return halvings;
+}
+
+// Lights the texels of a tile whose light is read, the coarsest first, so that finer ones lie between them.
+static void light_texels(const texel_light *t, light_tile *tile) {
+  const uint32_t side = tile->side * OLX_BLOCK_SIDE;
+  for (uint32_t level = 0; side >> level > 1; level++) {
+    for (uint32_t at = 0; at < side * side; at++) {
+      const uint32_t x = at % side, y = at / side, fine_x = fineness(x, side), fine_y = fineness(y, side);
+      const uint32_t k = y / OLX_BLOCK_SIDE * tile->side + x / OLX_BLOCK_SIDE;
+      const uint32_t i = y % OLX_BLOCK_SIDE * OLX_BLOCK_SIDE + x % OLX_BLOCK_SIDE;
+      if ((fine_x > fine_y ? fine_x : fine_y) == level && tile->wanted[k] >> i & 1u) light_texel(t, tile, k, i);
+    }
+  }
+}
+
+// Interpolates between the corners of a block that lies on one plane, if their light is alike; else lights all of its
+// texels.
+static void light_between(const texel_light *t, light_tile *tile, uint32_t k) {
+  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1}, block = block_of(t, tile, k);
   olx_vec3 corner[4];
-  for (uint32_t i = 0; i < 4; i++) corner[i] = light_of(t, block, texels[i], &surface[texels[i]], tile);
+  light_range range = NO_LIGHT;
+  for (uint32_t i = 0; i < 4; i++) {
+    corner[i] = t->irradiance[olx_block_texel(t->capture, block, texels[i])];
+    widen(&range, corner[i]);
+  }
+  const bool alike = are_alike(&range, FLAT_ALIKE);
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+    if (CORNERS >> i & 1u) continue;
+    if (!alike) {
+      light_texel(t, tile, k, i);
+      continue;
+    }
     const float x = (float)(i % OLX_BLOCK_SIDE) / (float)LAST, y = (float)(i / OLX_BLOCK_SIDE) / (float)LAST;
     const olx_vec3 top = olx_mix3(corner[0], corner[1], x), bottom = olx_mix3(corner[2], corner[3], x);
     t->irradiance[olx_block_texel(t->capture, block, i)] = olx_mix3(top, bottom, y);
   }
 }
 
-// Lights a block. `s` lives as long as the tile.
-static void light_block(const texel_light *t, uint32_t block, olx_block_surfaces *s, light_tile *tile) {
-  olx_block_look(t->capture, block, s);
-  if (olx_block_is_flat(t->capture, block, s)) {
-    interpolate(t, block, s->surface, tile);
-    return;
+static void light_tile_at(const texel_light *t, light_tile *tile) {
+  const uint32_t blocks = tile->side * tile->side;
+  tile->count = 0;
+  for (uint32_t k = 0; k < blocks; k++) {
+    const uint32_t block = block_of(t, tile, k);
+    olx_block_surfaces *s = &tile->blocks[k];
+    olx_block_look(t->capture, block, s);
+    tile->wanted[k] = olx_block_is_flat(t->capture, block, s) ? CORNERS : s->seen;
+    for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
+      t->irradiance[olx_block_texel(t->capture, block, i)] = olx_splat(0.0f);
+    }
   }
-  for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
-    const bool seen = s->seen >> i & 1u;
-    t->irradiance[olx_block_texel(t->capture, block, i)] =
-        seen ? light_of(t, block, i, &s->surface[i], tile) : olx_splat(0.0f);
+  light_texels(t, tile);
+  for (uint32_t k = 0; k < blocks; k++) {
+    if (tile->wanted[k] != tile->blocks[k].seen) light_between(t, tile, k);
   }
 }
 
@@ -137,11 +252,10 @@ static void light_tile_row(void *user, uint32_t row) {
   const texel_light *t = user;
   const uint32_t blocks = t->capture->size / OLX_BLOCK_SIDE, side = tile_side(t->capture);
   light_tile tile;
+  tile.side = side;
   for (uint32_t first = 0; first < blocks; first += side) {
-    tile.count = 0;
-    for (uint32_t i = 0; i < side * side; i++) {
-      light_block(t, (row * side + i / side) * blocks + first + i % side, &tile.blocks[i], &tile);
-    }
+    tile.block = row * side * blocks + first;
+    light_tile_at(t, &tile);
   }
 }
 

@@ -71,9 +71,12 @@ uint32_t olx_light_record_batches(const olx_scene_light *l, uint32_t surfel) {
   return batches_to(RECORD_NOISE * l->settings.noise, MOST_RECORD_BATCHES, error);
 }
 
-uint32_t olx_light_batches_at(const olx_scene_light *l, const olx_surface *surface) {
+olx_gather_plan olx_light_plan_gather(const olx_scene_light *l, const olx_surface *surface) {
   const olx_surfel_weights weights = olx_surfel_weigh(&l->records.lookup, surface, false);
-  return weights.count > 0 ? batches_wanted(l, expected_error(l, &weights)) : 1;
+  if (weights.count == 0) return (olx_gather_plan){.batches = 1};
+  const float error = expected_error(l, &weights);
+  const uint32_t batches = batches_wanted(l, error);
+  return (olx_gather_plan){batches, error / sqrtf((float)batches)};
 }
 
 // Returns the standard deviation up to which the light of few neighbours is interpolated, as a share of its mean.

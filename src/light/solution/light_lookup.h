@@ -17,8 +17,15 @@ bool olx_light_varies(const olx_scene_light *light, const olx_surface *surface);
 // find; it may be NULL.
 olx_vec3 olx_light_gather(const olx_scene_light *light, const olx_surface *surface, uint32_t batches,
                           olx_gather_row *row);
-// Returns the number of batches that bring the error which is expected of them to its bound at a surface.
-uint32_t olx_light_batches_at(const olx_scene_light *light, const olx_surface *surface);
+
+// The rays that a point casts of its own, and the standard error that is expected of them, as a share of the light of
+// the records around it; 0 without records.
+typedef struct olx_gather_plan {
+  uint32_t batches; // as many as bring the error to its bound, or the most that there are
+  float error;
+} olx_gather_plan;
+
+olx_gather_plan olx_light_plan_gather(const olx_scene_light *light, const olx_surface *surface);
 // Returns the number of batches that a record casts in the cell of a surfel.
 uint32_t olx_light_record_batches(const olx_scene_light *light, uint32_t surfel);
 

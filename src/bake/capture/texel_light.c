@@ -25,8 +25,6 @@ static const float SHARED_ROOM = 0.2f;
 // Light is interpolated between texels whose light differs by at most this share of it, or this multiple of the
 // standard error that is expected of them.
 static const float ALIKE = 0.25f, ALIKE_ERRORS = 1.5f;
-// Light is interpolated between the corners of a block on one plane where it differs by at most this share.
-static const float FLAT_ALIKE = 0.5f;
 
 typedef struct texel_light {
   const olx_capture *capture;
@@ -130,29 +128,10 @@ static bool is_served(const texels_around *around, const gathered_texel *texel) 
   return false;
 }
 
-// The range of some values of light.
-typedef struct light_range {
-  olx_vec3 least, most;
-} light_range;
-
-static const light_range NO_LIGHT = {{INFINITY, INFINITY, INFINITY}, {0, 0, 0}};
-
-static void widen(light_range *range, olx_vec3 light) {
-  range->least = olx_min_each(range->least, light);
-  range->most = olx_max_each(range->most, light);
-}
-
-// Returns whether the values differ by no more than a share of their middle.
-static bool are_alike(const light_range *range, float share) {
-  const float sum = olx_luminance(olx_add(range->most, range->least));
-  return olx_luminance(olx_sub(range->most, range->least)) <= 0.5f * share * sum;
-}
-
 // Interpolates between the gathered texels around another; returns false where they do not determine its light.
 static bool interpolate_around(const texels_around *around, const gathered_texel *texel, olx_vec3 *irradiance) {
   if (!is_served(around, texel)) return false;
-  light_range range = NO_LIGHT;
-  olx_vec3 sum = {0};
+  olx_vec3 sum = {0}, least = olx_splat(INFINITY), most = olx_splat(0.0f);
   float weights = 0.0f, error = 0.0f;
   for (uint32_t i = 0; i < QUADRANTS; i++) {
     const gathered_texel *g = around->nearest[i];
@@ -160,11 +139,13 @@ static bool interpolate_around(const texels_around *around, const gathered_texel
     const float weight = 1.0f / olx_max(around->squared[i], FLT_MIN);
     sum = olx_madd(sum, g->light.irradiance, weight);
     weights += weight;
-    widen(&range, g->light.irradiance);
+    least = olx_min_each(least, g->light.irradiance);
+    most = olx_max_each(most, g->light.irradiance);
     error = olx_max(error, g->light.error);
   }
   *irradiance = olx_scale(sum, 1.0f / weights);
-  return are_alike(&range, olx_max(ALIKE, ALIKE_ERRORS * error));
+  const float allowed = olx_max(ALIKE, ALIKE_ERRORS * error), middle = 0.5f * olx_luminance(olx_add(most, least));
+  return olx_luminance(olx_sub(most, least)) <= allowed * middle;
 }
 
 // Lights texel i of the k-th block of a tile.
@@ -201,23 +182,12 @@ static void light_texels(const texel_light *t, light_tile *tile) {
   }
 }
 
-// Interpolates between the corners of a block that lies on one plane, if their light is alike; else lights all of its
-// texels.
-static void light_between(const texel_light *t, light_tile *tile, uint32_t k) {
-  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1}, block = block_of(t, tile, k);
+// Interpolates between the corners of a block that lies on one plane.
+static void interpolate(const texel_light *t, uint32_t block) {
+  const uint32_t texels[4] = {0, LAST, OLX_BLOCK_SIDE * LAST, OLX_BLOCK_TEXELS - 1};
   olx_vec3 corner[4];
-  light_range range = NO_LIGHT;
-  for (uint32_t i = 0; i < 4; i++) {
-    corner[i] = t->irradiance[olx_block_texel(t->capture, block, texels[i])];
-    widen(&range, corner[i]);
-  }
-  const bool alike = are_alike(&range, FLAT_ALIKE);
+  for (uint32_t i = 0; i < 4; i++) corner[i] = t->irradiance[olx_block_texel(t->capture, block, texels[i])];
   for (uint32_t i = 0; i < OLX_BLOCK_TEXELS; i++) {
-    if (CORNERS >> i & 1u) continue;
-    if (!alike) {
-      light_texel(t, tile, k, i);
-      continue;
-    }
     const float x = (float)(i % OLX_BLOCK_SIDE) / (float)LAST, y = (float)(i / OLX_BLOCK_SIDE) / (float)LAST;
     const olx_vec3 top = olx_mix3(corner[0], corner[1], x), bottom = olx_mix3(corner[2], corner[3], x);
     t->irradiance[olx_block_texel(t->capture, block, i)] = olx_mix3(top, bottom, y);
@@ -238,7 +208,7 @@ static void light_tile_at(const texel_light *t, light_tile *tile) {
   }
   light_texels(t, tile);
   for (uint32_t k = 0; k < blocks; k++) {
-    if (tile->wanted[k] != tile->blocks[k].seen) light_between(t, tile, k);
+    if (tile->wanted[k] != tile->blocks[k].seen) interpolate(t, block_of(t, tile, k));
   }
 }
 

@@ -1,5 +1,5 @@
 // Reads the solved light of the scene at what a probe's texels see: at four texels of a block that lies on one plane,
-// at every texel elsewhere. Where light has to be gathered, it is interpolated between texels that gathered alike light.
+// at every texel elsewhere. Gathered light is interpolated between texels that have gathered about the same.
 #include "bake/capture/texel_light.h"
 
 #include "bake/capture/texel_blocks.h"

@@ -20,8 +20,9 @@ enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
 // time.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
 // Within this share of the distance to the nearest surface that a surfel sees, no point is assumed to be occluded from
-// it.
-static const float CLEAR_SHARE = 0.7f;
+// it, unless the point lies behind its plane by more than the second share of the distance between them: there it may be
+// on the far side of a thin pane.
+static const float CLEAR_SHARE = 0.7f, BEHIND_SHARE = 0.01f;
 // Offset above the surface of rays between surfels and points: this share of their length plus this share of the
 // world's extent.
 static const float LIFT_OF_DISTANCE = 0.03f, LIFT_OF_WORLD = 0x1p-21f;
@@ -97,8 +98,8 @@ static bool is_clear(const olx_light_surfels *s, place from, place to) {
 
 bool olx_light_surfels_see(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surface *surface) {
   const olx_vec3 way = olx_sub(surface->position, surfel->position);
-  const float clear = CLEAR_SHARE * surfel->nearest;
-  if (olx_dot(way, way) < clear * clear) return true;
+  const float clear = CLEAR_SHARE * surfel->nearest, distance = olx_length(way);
+  if (distance < clear && olx_dot(way, surfel->normal) >= -BEHIND_SHARE * distance) return true;
   return is_clear(s, (place){surface->position, surface->geometric_normal}, (place){surfel->position, surfel->normal});
 }
 
@@ -187,9 +188,7 @@ olx_surfel_found olx_light_surfels_find(const olx_light_surfels *s, uint64_t fin
     found.side = value & OLX_CELL_DIVIDED ? olx_cell_side(&s->grid, level) : 0.0f;
   }
   if (found.surfel == OLX_CELL_NONE) return found;
-  const bool alone = found.side == 0.0f && s->surfels[found.surfel].next == OLX_CELL_NONE;
-  if (found.side > most_side) found.surfel = OLX_CELL_NONE;
-  else if (!alone) found.surfel = seeing(s, found.surfel, surface);
+  found.surfel = found.side > most_side ? OLX_CELL_NONE : seeing(s, found.surfel, surface);
   return found;
 }
 

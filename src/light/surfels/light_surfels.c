@@ -20,8 +20,8 @@ enum { LEAST_POINTS = 8, LEAST_HIDDEN_POINTS = 64 };
 // time.
 enum { TRIED_POINTS = 16, MOST_GROUPS = 4 };
 // Within this share of the distance to the nearest surface that a surfel sees, no point is assumed to be occluded from
-// it, unless the point lies behind its plane by more than the second share of the distance between them: there it may be
-// on the far side of a thin pane.
+// it, unless the point lies behind its plane by more than the second share of the distance between them, where it may
+// be on the far side of a thin pane.
 static const float CLEAR_SHARE = 0.7f, BEHIND_SHARE = 0.01f;
 // Offset above the surface of rays between surfels and points: this share of their length plus this share of the
 // world's extent.

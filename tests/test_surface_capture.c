@@ -479,8 +479,10 @@ static olx_scene *room_with_a_board(void) {
 
 enum { SHARING_MAP = 512 };
 
-// Counts the texels that see a part of a scene, and those whose light is more than a share off the light that they
-// would gather themselves.
+static const float MOST_OFF = 1.5f; // times the light that a texel would gather itself, or less than the inverse
+
+// Counts the texels that see a part of a scene, and those whose light is off the light that they would gather
+// themselves.
 typedef struct counted_texels {
   uint32_t seen, off;
 } counted_texels;
@@ -488,7 +490,7 @@ typedef struct counted_texels {
 // Returns whether a texel counts, by its number in a map of SHARING_MAP x SHARING_MAP and the position that it sees.
 typedef bool texel_counts(uint32_t texel, olx_vec3 position);
 
-static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_counts *counts, float most) {
+static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_counts *counts) {
   const uint8_t flags[1] = {0};
   olx_scene_light_settings solving = olx_scene_light_settings_default();
   solving.noise = 0.05f;
@@ -516,7 +518,7 @@ static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_count
     const float own = olx_luminance(olx_scene_light_gather(light, &surface, NULL).irradiance);
     const float ratio = olx_luminance(irradiance[i]) / own;
     counted.seen++;
-    counted.off += ratio > most || ratio < 1.0f / most;
+    counted.off += ratio > MOST_OFF || ratio < 1.0f / MOST_OFF;
   }
   free(again);
   free(irradiance);
@@ -526,9 +528,10 @@ static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_count
   return counted;
 }
 
-static bool is_beside_the_gap(uint32_t texel, olx_vec3 p) {
+// The ceiling above the end of a board, or above the gap beside it.
+static bool is_above_the_end(uint32_t texel, olx_vec3 p) {
   (void)texel;
-  return p.y > 2.4999f && p.x > -0.05f && p.x < 0.05f && fabsf(p.z) < 0.4f;
+  return p.y > 2.4999f && fabsf(p.x) < 0.05f && fabsf(p.z) < 0.4f;
 }
 
 // Texels of a block share the light that one of them has gathered as far as light hardly changes: in a gap that is a
@@ -536,16 +539,16 @@ static bool is_beside_the_gap(uint32_t texel, olx_vec3 p) {
 // hardly one differs from what it would gather itself.
 static void texels_share_no_light_out_of_a_gap(void **state) {
   (void)state;
-  const counted_texels c = count_texels(room_with_a_gap(), olx_v3(0.9f, 1.2f, 0.1f), is_beside_the_gap, 1.5f);
+  const counted_texels c = count_texels(room_with_a_gap(), olx_v3(0.9f, 1.2f, 0.1f), is_above_the_end);
   print_message("beside a gap %u of %u texels differ from what they would gather\n", c.off, c.seen);
   assert_true(c.seen > 200 && c.off * 50 < c.seen);
 }
 
-// Texels at the corners of a block, between which the others of its plane are interpolated.
-static bool is_corner_at_the_edge(uint32_t texel, olx_vec3 p) {
+// The same, of texels at the corners of a block alone, between which the others of its plane are interpolated.
+static bool is_corner_above_the_end(uint32_t texel, olx_vec3 p) {
   const uint32_t x = texel % SHARING_MAP % OLX_BLOCK_SIDE, y = texel / SHARING_MAP % OLX_BLOCK_SIDE;
   if (x % (OLX_BLOCK_SIDE - 1) != 0 || y % (OLX_BLOCK_SIDE - 1) != 0) return false;
-  return p.y > 2.4999f && p.x > -0.05f && p.x < 0.05f && fabsf(p.z) < 0.4f;
+  return is_above_the_end(texel, p);
 }
 
 // Texels share gathered light only where it hardly changes between them, so that an edge as narrow as the square over
@@ -553,7 +556,7 @@ static bool is_corner_at_the_edge(uint32_t texel, olx_vec3 p) {
 // texels were off; single gathers, which texels store, differ by noise.
 static void texels_draw_a_narrow_edge_of_bounced_light(void **state) {
   (void)state;
-  const counted_texels c = count_texels(room_with_a_board(), olx_v3(0.5f, 1.2f, 0.1f), is_corner_at_the_edge, 1.5f);
+  const counted_texels c = count_texels(room_with_a_board(), olx_v3(0.5f, 1.2f, 0.1f), is_corner_above_the_end);
   print_message("at an edge %u of %u texels differ from what they would gather\n", c.off, c.seen);
   assert_true(c.seen > 200 && c.off * 12 < c.seen);
 }

@@ -177,6 +177,32 @@ static void light_says_which_room_matters(void **state) {
   }
 }
 
+// Without a camera every room counts that light reaches, however large the others are.
+static void all_lit_rooms_matter(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const uint32_t m = matte(scene);
+  const float x[] = {-1.5f, 2.5f, 6.5f}; // of the rooms' centres; no light reaches the last
+  made_room(scene, olx_v3(x[0], 0, 0), 2.0f, m);
+  made_room(scene, olx_v3(x[1], 0, 0), 4.0f, m);
+  made_room(scene, olx_v3(x[2], 0, 0), 2.0f, m);
+  for (uint32_t i = 0; i < 2; i++) {
+    const olx_light light = {.type = OLX_LIGHT_POINT, .position = {x[i], 0.5f, 0}, .emission = {1, 1, 1}};
+    ASSERT_OK(olx_scene_add_light(scene, &light));
+  }
+  made_finish(scene);
+  const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
+  olx_probe_set set = place(scene, &settings);
+  bool seen[3] = {false};
+  for (uint32_t i = 0; i < set.count; i++) {
+    const float at = set.probes[i].position.x;
+    seen[at < -0.5f ? 0 : at < 4.5f ? 1 : 2] = true;
+  }
+  assert_true(seen[0] && seen[1] && !seen[2]);
+  olx_probe_set_free(&set);
+  olx_scene_free(scene);
+}
+
 static void nothing_to_place_in_is_said_clearly(void **state) {
   (void)state;
   // The camera, which sees the room around the solid, decides what is inside geometry.
@@ -730,6 +756,7 @@ int main(void) {
       cmocka_unit_test(a_wall_needs_a_second_probe),
       cmocka_unit_test(nothing_is_placed_in_a_sealed_room),
       cmocka_unit_test(light_says_which_room_matters),
+      cmocka_unit_test(all_lit_rooms_matter),
       cmocka_unit_test(nothing_to_place_in_is_said_clearly),
       cmocka_unit_test(a_single_quad_has_two_sides),
       cmocka_unit_test(threads_and_runs_do_not_matter),

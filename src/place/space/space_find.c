@@ -184,16 +184,31 @@ static olx_result judge_components(const olx_world *w, component *list, uint32_t
   return result;
 }
 
-// Chooses the space that matters where no camera determines it: with a playable box, every component that is not inside
-// geometry; otherwise the largest such component that light reaches, or the largest when light reaches none.
-static void choose_components(olx_world *w, const component *list, uint32_t count) {
-  const component *best = NULL;
+// Returns the largest component that is not inside geometry, of those that light reaches if it reaches any.
+static const component *find_largest(const component *list, uint32_t count) {
+  const component *largest = NULL;
   for (const component *c = list; c < list + count; c++) {
-    if (c->inside) continue;
-    if (w->scene->probe_rules.has_playable) olx_world_flood(w, c->voxel);
-    else if (!best || (c->lit && !best->lit)) best = c;
+    if (!c->inside && (!largest || (c->lit && !largest->lit))) largest = c;
   }
-  if (best) olx_world_flood(w, best->voxel);
+  return largest;
+}
+
+// Returns the number of voxels below which a space is ignored beside one of `size` voxels.
+static uint64_t least_space(uint64_t size) {
+  const uint64_t share = size / CRUMBS;
+  return share > MOST_CRUMBS ? MOST_CRUMBS : share;
+}
+
+// Chooses the space that matters where no camera determines it: with a playable box, every component that is not inside
+// geometry; otherwise those of them that light reaches, except for crumbs, or the largest when light reaches none.
+static void choose_components(olx_world *w, const component *list, uint32_t count) {
+  const component *largest = find_largest(list, count);
+  if (!largest) return;
+  const uint64_t least = least_space(largest->size);
+  const bool all = w->scene->probe_rules.has_playable;
+  for (const component *c = list; c < list + count; c++) {
+    if (!c->inside && (all || c == largest || (c->lit && c->size >= least))) olx_world_flood(w, c->voxel);
+  }
 }
 
 static olx_result flood_everything(olx_world *w, uint32_t threads) {
@@ -313,10 +328,8 @@ static bool would_matter(void *user, const olx_world *w, uint64_t size) {
 }
 
 static olx_result sift(olx_world *w, bool indoors, uint32_t threads) {
-  const uint64_t share = w->reached_count / CRUMBS;
-  sifter s = {.indoors = indoors, .threads = threads, .least = share};
-  if (share < CUT_OFF_SAMPLES) s.least = CUT_OFF_SAMPLES;
-  if (share > MOST_CRUMBS) s.least = MOST_CRUMBS;
+  sifter s = {.indoors = indoors, .threads = threads, .least = least_space(w->reached_count)};
+  if (s.least < CUT_OFF_SAMPLES) s.least = CUT_OFF_SAMPLES;
   OLX_TRY(olx_world_sift(w, would_matter, &s));
   return s.result;
 }

@@ -1,30 +1,10 @@
-// Fits a bake into a budget of megabytes: places probes, and chooses the size of maps.
+// Fits a bake into a budget of megabytes: by the number of probes, and by the size of maps.
 #include "bake_budget.h"
 
+#include "bake_placement.h"
 #include "commands.h"
-#include "report.h"
-
-#include <octalux/place.h>
 
 #include <stdio.h>
-
-// Places probes as `octalux place` does; as many as fit into a budget of a default bake's maps, where it is not 0.
-static olx_result place_probes(const olx_scene *scene, double budget_mb, bake_options *given) {
-  olx_place_settings settings = olx_place_settings_default(scene);
-  settings.threads = given->settings.threads;
-  settings.resolution = given->settings.radiance_size;
-  settings.budget_mb = budget_mb;
-  progress_line line;
-  progress_begin(&line, "bake", false);
-  const olx_progress progress = progress_of(&line);
-  olx_probe_set set;
-  olx_result result = olx_place(scene, &settings, &progress, &set);
-  progress_end(&line);
-  if (result != OLX_OK) return result;
-  result = take_probes(&set, &given->settings);
-  olx_probe_set_free(&set);
-  return result;
-}
 
 // Finds the size that a field is expected to have. Whether the machine suffices is checked by the bake, or reported by
 // --dry-run.
@@ -70,10 +50,6 @@ static int check_budget(const olx_scene *scene, const olx_bake_settings *setting
           light_probe_count(settings), settings->radiance_size, settings->radiance_size, megabytes, uncounted,
           budget_mb);
   return EXIT_DONE;
-}
-
-static int report_placement(olx_result result) {
-  return result == OLX_ERROR_CANCELLED ? failure("bake", "interrupted, nothing written") : library_failure("bake");
 }
 
 int fit_bake_budget(const olx_scene *scene, const command_line *line, double budget_mb, bake_options *given) {

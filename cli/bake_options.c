@@ -10,7 +10,7 @@ const option bake_basic_options[] = {
     {"--probes", OPTION_TEXT, offsetof(bake_options, probes), "FILE.json",
      "light field probes where `octalux place` put them"},
     {"--grid", OPTION_GRID, offsetof(bake_options, settings.grid.count), "4x4x4",
-     "light field probes along x, y, z; default: the scene's", 1, 1024},
+     "light field probes along x, y, z; default: the scene's, or else probes as `octalux place` places them", 1, 1024},
     {"--radiance-size", OPTION_POWER_OF_TWO, offsetof(bake_options, settings.radiance_size), "N",
      "texels along a map of light; default 512", OLX_RADIANCE_SIZE_LEAST, OLX_RADIANCE_SIZE_MOST},
     {"--relight", OPTION_FLAG, offsetof(bake_options, settings.relight), NULL,

@@ -3,6 +3,7 @@
 #include "bake_device.h"
 #include "bake_driver.h"
 #include "bake_options.h"
+#include "bake_placement.h"
 #include "commands.h"
 #include "files.h"
 #include "options.h"
@@ -305,6 +306,12 @@ static int bake_shared(const olx_scene *scene, bake_command *c, const char *path
   return driven == EXIT_DONE && collects ? bake_scene(scene, c, path) : driven;
 }
 
+// Chooses what the command line and the scene leave open: probes, and with a budget the size of maps.
+static int choose_open(const olx_scene *scene, const command_line *line, bake_command *c) {
+  if (c->budget_mb > 0.0) return fit_bake_budget(scene, line, c->budget_mb, &c->given);
+  return leaves_probes_open(scene, line, &c->given) ? place_open_probes(scene, &c->given) : EXIT_DONE;
+}
+
 // Runs or estimates the bake that the options describe.
 static int run_bake(const olx_scene *scene, bake_command *c) {
   bake_device *device = NULL;
@@ -395,7 +402,7 @@ int bake_with(const bake_driver *driver, int argc, char **argv) {
   c.units.json = c.progress == 2;
   code = check_scene_files("bake", &files, scene);
   if (code == EXIT_DONE && resolve_bake_options(scene, &line, &c.given) != OLX_OK) code = library_failure("bake");
-  if (code == EXIT_DONE && c.budget_mb > 0.0) code = fit_bake_budget(scene, &line, c.budget_mb, &c.given);
+  if (code == EXIT_DONE) code = choose_open(scene, &line, &c);
   if (code == EXIT_DONE) code = run_bake(scene, &c);
   release_bake_settings(&c.given.settings);
   olx_scene_free(scene);

@@ -53,8 +53,31 @@ expect_failure "a budget of 0.005 MB does not hold a field of 5 probes: .* it ta
 expect_failure "5 probes of 512 x 512 texels take about 3.6[0-9]* MB, more than the budget of 1 MB" \
   bake $scene -o x.olx --budget 1 --radiance-size 512 --probes probes.json
 expect_usage "budget" bake $scene -o x.olx --budget 0
+
+# Where neither the command line nor the scene says where probes are, they are placed, and the bake says how many; where
+# there is no place for any, they are on a grid, with a warning.
+python3 - <<'END'
+corners = [(x, y, z) for x in (0, 4) for y in (0, 3) for z in (0, 5)]
+faces = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+with open("room.obj", "w") as out:
+    out.writelines("v {} {} {}\n".format(*corner) for corner in corners)
+    out.writelines("f {} {} {} {}\n".format(*face[::-1]) for face in faces)
+END
+printf '{"model": "room.obj", "lights": [{"type": "point", "position": [2, 2, 2], "intensity": [1, 1, 1]}]}' >room.json
+rooms="--radiance-size 32 --noise 0.5"
+expect 0 place room.json -o room-probes.json --resolution 32
+expect 0 bake room.json -o placed.olx $rooms
+grep -q "^octalux bake: placed [1-9][0-9]* probes; " stderr.txt || fail "a bake does not say that it places probes: $(cat stderr.txt)"
+expect 0 bake room.json -o given.olx $rooms --probes room-probes.json
+cmp placed.olx given.olx || fail "a bake places other probes than octalux place"
+expect_json 'o["probes"] == 8' bake room.json -o grid.olx $rooms --grid 2x2x2
+sed 's/"model"/"probes": {"grid": [3, 1, 2]}, "model"/' room.json >gridded.json
+expect_json 'o["probes"] == 6' bake gridded.json -o gridded.olx $rooms
+
 printf 'v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n' >plane.obj
 expect_failure "probe grid: 4 probes at the same y: a flat scene needs one probe along that axis" bake plane.obj -o x.olx
+grep -q "^warning: nowhere to place probes: .*; probes are on a grid of 4x4x4 over the bounds instead$" stderr.txt ||
+  fail "no warning of a scene without a place for probes: $(cat stderr.txt)"
 expect 0 place $scene --method grid --grid 2x2x2 --budget 0.001 -o grid.json # which ignores the budget
 expect_usage "--coverage: '2' is not a number above 0 and at most 1" place $scene -o x.json --coverage 2
 expect_usage "--noise: '2' is not a number from 0.001 to 1" bake $scene -o x.olx --noise 2

@@ -296,7 +296,7 @@ static void probe_volume_and_counts(void **state) {
   olx_scene *scene = load(*state, "{\"model\": \"square.obj\", \"probes\": {\"min\": [-1, 0, 2], \"max\": [1, 3, 2], "
                                   "\"grid\": [3, 4, 1]}}");
   olx_grid grid;
-  assert_true(olx_scene_describe(scene).has_probe_volume);
+  assert_true(olx_scene_describe(scene).has_probe_volume && olx_scene_describe(scene).has_probe_count);
   assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
   assert_int_equal(grid.count[0] * 100 + grid.count[1] * 10 + grid.count[2], 341);
   assert_vec(grid.origin, -1, 0, 2);
@@ -312,6 +312,7 @@ static void without_probe_volume_the_bounds_are_filled(void **state) {
   olx_scene *scene = load(*state, "{\"models\": [{\"path\": \"square.obj\", \"scale\": 8}, {\"path\": \"square.obj\", "
                                   "\"translate\": [0, 0, 4]}]}");
   olx_grid grid;
+  assert_false(olx_scene_describe(scene).has_probe_volume || olx_scene_describe(scene).has_probe_count);
   assert_int_equal(olx_scene_probe_grid(scene, NULL, &grid), OLX_OK);
   assert_int_equal(grid.count[0], 4);
   assert_vec(grid.origin, 1, 1, 0.5f);

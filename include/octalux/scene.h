@@ -36,6 +36,7 @@ typedef struct olx_scene_info {
   double origin[3];  // in scene coordinates, metres
   olx_vec3 bounds_min, bounds_max;
   bool has_probe_volume; // the description names probes.min and probes.max
+  bool has_probe_count;  // the description names probes.grid
   uint64_t hash;         // of geometry, materials, textures, lights and environment
 } olx_scene_info;
 

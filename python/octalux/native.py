@@ -164,7 +164,7 @@ class Camera(Struct):
 class SceneInfo(Struct):
     _fields_ = [("triangles", c_uint64), ("vertices", c_uint64), ("materials", c_uint32), ("textures", c_uint32),
                 ("lights", c_uint32), ("cameras", c_uint32), ("warnings", c_uint32), ("origin", c_double * 3),
-                ("bounds_min", Vec3), ("bounds_max", Vec3), ("has_probe_volume", c_bool), ("hash", c_uint64)]
+                ("bounds_min", Vec3), ("bounds_max", Vec3), ("has_probe_volume", c_bool), ("has_probe_count", c_bool), ("hash", c_uint64)]
 
 
 class SceneLimits(Struct):

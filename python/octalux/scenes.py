@@ -12,7 +12,7 @@ import numpy as np
 from . import arrays, native
 from .fields import Progress
 from .handles import Handle
-from .native import library
+from .native import Error, library
 
 
 class Scene(Handle):
@@ -124,12 +124,25 @@ def _size_for_budget(scene: Scene, chosen: native.BakeSettings, budget_mb: float
     return size.value
 
 
+def _open_probes(scene: Scene, chosen: native.BakeSettings, progress: Progress | None) -> Probes | None:
+    """Probes for a scene that does not say where they are; None where it does, and where there is nowhere to place any."""
+    info = library.olx_scene_describe(scene.handle)
+    if info.has_probe_volume or info.has_probe_count:
+        return None
+    try:
+        return place(scene, resolution=chosen.radiance_size, threads=chosen.threads, progress=progress)
+    except Error as error:
+        if error.result != native.Result.EMPTY:
+            raise
+        return None
+
+
 def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes: Any = None, irradiance_grid: Any = None,
          select: Any = (), budget_mb: float | None = None, progress: Progress | None = None, **settings: Any) -> SimpleNamespace:
     """Bake a scene's light into the field file `path`, which is whole or not there.
 
-    grid: three counts of light field probes in the scene's volume; default: the scene's own. probes: a `Probes`, or positions (count, 3) in
-    metres, instead of a grid. irradiance_grid: three counts of irradiance probes (with probe_light=True). select: words for structures to
+    grid: three counts of light field probes in the scene's volume. probes: a `Probes`, or positions (count, 3) in metres, instead of a grid.
+    Without either: the scene's own grid, or else where `place` puts them. irradiance_grid: three counts of irradiance probes (with probe_light=True). select: words for structures to
     bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
     is the largest whose field is expected to fit, and cannot be given. Further settings are the members of olx_bake_settings
     (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=128,
@@ -149,6 +162,8 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     native.fill(chosen, settings)
     for name in (select,) if isinstance(select, str) else select:
         chosen.select_mask |= 1 << native.number("select", name)
+    if probes is None and grid is None:
+        probes = _open_probes(scene, chosen, progress)
     if probes is not None:
         positions = arrays.vectors("probes", probes.positions if isinstance(probes, Probes) else probes)
         if positions.ndim != 2 or not len(positions):

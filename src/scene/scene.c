@@ -75,6 +75,7 @@ olx_scene_info olx_scene_describe(const olx_scene *scene) {
       .bounds_min = scene->bounds_min,
       .bounds_max = scene->bounds_max,
       .has_probe_volume = scene->has_probe_volume,
+      .has_probe_count = scene->has_probe_count,
       .origin = {scene->origin[0], scene->origin[1], scene->origin[2]},
       .hash = scene->hash,
   };

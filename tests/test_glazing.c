@@ -49,6 +49,7 @@ static double solved_share(uint32_t panes) {
   olx_scene_light *light;
   olx_scene_light_settings settings = olx_scene_light_settings_default();
   settings.map_size = 64;
+  settings.noise = 0.005f; // the sum over few points then varies by less than a hundredth between seeds
   settings.bounces = BOUNCES;
   assert_int_equal(olx_scene_light_create(scene, &settings, &probe, &flags, 1, &light), OLX_OK);
   double solved = 0.0, traced = 0.0;
@@ -72,7 +73,7 @@ static double solved_share(uint32_t panes) {
 // panes pass to and fro.
 static void a_room_behind_panes_has_the_light_of_paths(void **state) {
   (void)state;
-  for (uint32_t panes = 0; panes < 3; panes++) assert_true(fabs(solved_share(panes) - 1.0) < 0.03);
+  for (uint32_t panes = 0; panes < 3; panes++) assert_true(fabs(solved_share(panes) - 1.0) < 0.02);
 }
 
 int main(void) {

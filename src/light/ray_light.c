@@ -20,7 +20,7 @@ typedef struct ray_shade {
 static olx_vec3 diffuse_light(const ray_shade *s, float indirect, const olx_ray_hit *hit, const olx_surface *surface,
                               olx_vec3 reflectance, const float *dark) {
   if (olx_max3(reflectance) <= 0.0f) return olx_splat(0.0f);
-  const olx_vec3 direct = olx_direct_irradiance_but(s->scene, surface, dark, s->sampler, s->rays);
+  const olx_vec3 direct = olx_direct_irradiance_but(s->scene, surface, dark, NULL, s->sampler, s->rays);
   olx_surface smooth = *surface;
   smooth.shading_normal = olx_surface_vertex_normal(s->scene, hit, surface);
   const olx_vec3 irradiance = olx_madd(direct, olx_scene_light_irradiance_before(s->light, &smooth), indirect);

@@ -240,9 +240,8 @@ static olx_surface whiten(const olx_surface *surface) {
   return white;
 }
 
-// Returns the direct irradiance; `dark` and `sky` may be NULL.
-static olx_vec3 irradiance_of(const olx_scene *scene, const olx_surface *surface, const float *dark, olx_sky_guide *sky,
-                              olx_sampler *sampler, uint64_t *rays) {
+olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
+                                   olx_sky_guide *sky, olx_sampler *sampler, uint64_t *rays) {
   const olx_surface white = whiten(surface);
   olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
   shading.dark = dark;
@@ -252,12 +251,7 @@ static olx_vec3 irradiance_of(const olx_scene *scene, const olx_surface *surface
 
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sky_guide *sky,
                                olx_sampler *sampler, uint64_t *rays) {
-  return irradiance_of(scene, surface, NULL, sky, sampler, rays);
-}
-
-olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
-                                   olx_sampler *sampler, uint64_t *rays) {
-  return irradiance_of(scene, surface, dark, NULL, sampler, rays);
+  return olx_direct_irradiance_but(scene, surface, NULL, sky, sampler, rays);
 }
 
 static bool has_single_sun(const olx_scene *scene, uint32_t groups) {

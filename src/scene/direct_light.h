@@ -76,14 +76,14 @@ olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, o
 
 // Returns the direct irradiance in W/m^2 from emitters and the sky, about surface->shading_normal, independent of the
 // material and the view: one light sample per group, and one ray. Lights leave surfaces within their radius of `dark`
-// (one per light of the scene, metres; may be NULL) unlit.
+// (one per light of the scene, metres; may be NULL) unlit. `sky` guides samples of the sky and learns from them; it may
+// be NULL.
 olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
-                                   olx_sampler *sampler, uint64_t *rays);
+                                   olx_sky_guide *sky, olx_sampler *sampler, uint64_t *rays);
 // Returns the direct irradiance in W/m^2 that suns bring, which is the same in every call. It is 0 where a scene has so
 // many suns that they share their samples (OLX_MAX_LIGHT_GROUPS).
 olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays);
-// Returns the direct irradiance of olx_direct_irradiance_but where every light reaches every surface. `sky` guides
-// samples of the sky and learns from them; it may be NULL.
+// Returns the direct irradiance of olx_direct_irradiance_but where every light reaches every surface.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sky_guide *sky,
                                olx_sampler *sampler, uint64_t *rays);
 

@@ -7,8 +7,15 @@
 #define EVEN_SHARE 0.1f
 
 void olx_sky_guide_begin(olx_sky_guide *guide) {
-  guide->stage = 0;
+  guide->stage = guide->found = 0;
   for (uint32_t i = 0; i < OLX_SKY_BINS; i++) guide->light[i] = 0.0f;
+}
+
+void olx_sky_guide_fade(olx_sky_guide *guide, uint32_t found) {
+  if (guide->found <= found) return;
+  const float share = (float)found / (float)guide->found;
+  for (uint32_t i = 0; i < OLX_SKY_BINS; i++) guide->light[i] *= share;
+  guide->found = found;
 }
 
 static uint32_t bin_of(olx_vec2 point) {
@@ -18,7 +25,9 @@ static uint32_t bin_of(olx_vec2 point) {
 }
 
 void olx_sky_guide_add(olx_sky_guide *guide, olx_vec2 point, float luminance) {
-  if (luminance > 0.0f && isfinite(luminance)) guide->light[bin_of(point)] += luminance;
+  if (!(luminance > 0.0f) || !isfinite(luminance)) return;
+  guide->light[bin_of(point)] += luminance;
+  guide->found++;
 }
 
 // Returns the light of a bin and, with less weight, of those around it, where the window may reach, too.

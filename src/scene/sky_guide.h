@@ -15,6 +15,7 @@ enum { OLX_SKY_ACROSS = 32, OLX_SKY_DOWN = 16, OLX_SKY_BINS = OLX_SKY_ACROSS * O
 
 typedef struct olx_sky_guide {
   uint32_t stage;                   // 0: nothing is learnt yet, and the density is even
+  uint32_t found;                   // number of samples that brought light
   float light[OLX_SKY_BINS];        // luminance that samples brought, in rows
   float row_sums[OLX_SKY_DOWN + 1]; // cumulative, when stage > 0
   float column_sums[OLX_SKY_DOWN][OLX_SKY_ACROSS + 1];
@@ -22,6 +23,8 @@ typedef struct olx_sky_guide {
 
 // Begins without knowledge.
 void olx_sky_guide_begin(olx_sky_guide *guide);
+// Weakens what was learnt to that of `found` samples, so that pixels of a part of the surface can learn more.
+void olx_sky_guide_fade(olx_sky_guide *guide, uint32_t found);
 // Prepares sample `index` of each pixel: learns before samples 1, 4, 16 and so on, unless no light was found.
 void olx_sky_guide_next(olx_sky_guide *guide, uint32_t index);
 // Returns the sampler of direct light for the guide's stage.

@@ -102,7 +102,7 @@ static const float *dark_of(const olx_ray_caster *c, const way *w) {
 }
 
 static olx_vec3 direct_irradiance(const olx_ray_caster *c, way *w, const olx_surface *surface, uint64_t *rays) {
-  return olx_direct_irradiance_but(c->surfels->scene, surface, dark_of(c, w), &w->sampler, rays);
+  return olx_direct_irradiance_but(c->surfels->scene, surface, dark_of(c, w), NULL, &w->sampler, rays);
 }
 
 // Adds the emission that the specular lobe, chosen with probability `share`, reflects, and continues the path; returns

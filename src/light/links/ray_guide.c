@@ -6,24 +6,23 @@
 #include "core/result.h"
 #include "core/sampling.h"
 
-enum { POOL_LEVELS = 3 }; // surfels learn together in cells this many levels above their own
-
 // Least density of any direction, as a share of the density without a guide.
 static const float LEAST_DENSITY = 0.25f;
 // Least ratio of variance that a guide is assumed to reach.
 static const float LEAST_SPREAD = 1.0f / 32.0f;
 
-static olx_result make_pools(olx_ray_guide *g, const olx_light_surfels *surfels) {
+olx_result olx_pool_surfels(const olx_light_surfels *surfels, uint32_t levels, uint32_t *pool_of, uint32_t *count) {
   olx_cell_table table = {0};
   olx_result result = olx_cell_table_create(&table, surfels->count);
+  *count = 0;
   for (uint32_t i = 0; result == OLX_OK && i < surfels->count; i++) {
-    const uint64_t key = olx_cell_at_level(surfels->surfels[i].cell, POOL_LEVELS);
+    const uint64_t key = olx_cell_at_level(surfels->surfels[i].cell, levels);
     uint32_t number = olx_cell_table_get(&table, key);
     if (number == OLX_CELL_NONE) {
-      number = g->pool_count++;
+      number = (*count)++;
       result = olx_cell_table_set(&table, key, number);
     }
-    g->pool_of[i] = number;
+    pool_of[i] = number;
   }
   olx_cell_table_free(&table);
   return result;
@@ -31,7 +30,8 @@ static olx_result make_pools(olx_ray_guide *g, const olx_light_surfels *surfels)
 
 olx_result olx_ray_guide_create(olx_ray_guide *g, const olx_light_surfels *surfels) {
   *g = (olx_ray_guide){.pool_of = olx_allocate(surfels->count, sizeof *g->pool_of)};
-  olx_result result = g->pool_of ? make_pools(g, surfels) : OLX_ERROR_MEMORY;
+  olx_result result = g->pool_of ? OLX_OK : OLX_ERROR_MEMORY;
+  if (result == OLX_OK) result = olx_pool_surfels(surfels, OLX_POOL_LEVELS, g->pool_of, &g->pool_count);
   if (result == OLX_OK) g->pools = olx_allocate_zero(g->pool_count, sizeof *g->pools);
   if (result == OLX_OK && g->pools) return OLX_OK;
   olx_ray_guide_free(g);

@@ -12,6 +12,7 @@
 #include "light/surfels/light_surfels.h"
 
 enum {
+  OLX_POOL_LEVELS = 3,                             // surfels learn together in cells this many levels above their own
   OLX_GUIDE_SIDE = 8,                              // bins along a side of the square
   OLX_GUIDE_BINS = OLX_GUIDE_SIDE * OLX_GUIDE_SIDE // in rows of equal y
 };
@@ -33,6 +34,8 @@ typedef struct olx_ray_place {
   uint32_t bin, number; // number: within the bin
 } olx_ray_place;
 
+// Numbers the cells `levels` above those of the surfels. pool_of[i] receives the number of surfel i's.
+olx_result olx_pool_surfels(const olx_light_surfels *surfels, uint32_t levels, uint32_t *pool_of, uint32_t *count);
 // Puts every surfel into a pool that has learnt nothing yet.
 olx_result olx_ray_guide_create(olx_ray_guide *guide, const olx_light_surfels *surfels);
 void olx_ray_guide_free(olx_ray_guide *guide);

@@ -12,22 +12,15 @@
 #include "light/solution/light_noise.h"
 #include "light/solution/light_records.h"
 #include "scene/bvh.h"
-#include "scene/direct_light.h"
 #include "scene/texel_samples.h"
 
 enum {
-  FIRST_RAYS = 64,          // per surfel in the first round
-  LEAST_RAYS = 16,          // per surfel where memory is short
-  LEAST_DIRECT = 16,        // least points per cell at which direct light is sampled
-  MOST_DIRECT = 256,        // most points per cell at which direct light is sampled
-  ALL_DIRECT = 1 << 18,     // points at which direct light is sampled in all, within the bounds per cell
-  DIRECT_A_UNIT = 1 << 12,  // surfels
-  FEW_BOUNCES = 4,          // bounces from which noise is estimated
-  MOST_VIEW_SIDE = 1024,    // most rays along the side of a probe's view map
-  LEAST_VIEW_SIDE = 32,     // least rays along the side of that map
-  MOST_VIEW_RAYS = 1 << 24, // rays of all views, as far as the least side allows
-  SURFELS_PER_JOB = 16,
-  SALT_DIRECT = 0x44495245
+  FIRST_RAYS = 64,         // per surfel in the first round
+  LEAST_RAYS = 16,         // per surfel where memory is short
+  FEW_BOUNCES = 4,         // bounces from which noise is estimated
+  MOST_VIEW_SIDE = 1024,   // most rays along the side of a probe's view map
+  LEAST_VIEW_SIDE = 32,    // least rays along the side of that map
+  MOST_VIEW_RAYS = 1 << 24 // rays of all views, as far as the least side allows
 };
 
 // Finds the surfaces that probes see, by one ray for each 2 x 2 texels or by fewer (view_side).
@@ -173,99 +166,6 @@ static void count_rays(olx_scene_light *l) {
     }
   }
 }
-
-// The sun reaches a cell unevenly where the range of what it brings is above this share of the mean direct light.
-static const float UNEVEN_RANGE = 0.25f;
-
-typedef struct direct_job {
-  olx_scene_light *light;
-  uint32_t points;     // points per cell
-  uint32_t first, end; // range of surfels
-  uint64_t *rays;      // one per job
-} direct_job;
-
-// What the points of a cell receive.
-typedef struct cell_sum {
-  olx_vec3 light;
-  float least, most; // of the luminance that suns bring
-} cell_sum;
-
-static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surfel_point *point,
-                      uint32_t k, cell_sum *sum, uint64_t *rays) {
-  const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
-  const olx_surface surface = olx_surfel_point_surface(s->scene, point);
-  olx_sampler sampler = {.seed = seed, .index = k};
-  sum->light = olx_add(sum->light, olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, &sampler, rays));
-  const float sun = olx_luminance(olx_direct_irradiance_of_suns(s->scene, &surface, rays));
-  sum->least = olx_min(sum->least, sun);
-  sum->most = olx_max(sum->most, sun);
-}
-
-// Returns OLX_SUN_MISSES, OLX_SUN_REACHES or both, for a cell whose direct light has the mean luminance `mean`.
-static uint32_t reach_of(const cell_sum *sum, float mean) {
-  if (sum->most <= 0.0f) return OLX_SUN_MISSES;
-  return sum->most - sum->least > UNEVEN_RANGE * mean ? OLX_SUN_UNEVEN : OLX_SUN_REACHES;
-}
-
-// Returns the direct light of a surfel, from points that are spread over the area of its cell, because most points of
-// the cell lie near probes.
-static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *surfel, uint64_t *rays) {
-  const olx_light_surfels *s = &d->light->surfels;
-  const olx_surfel_point *points = s->points + surfel->first_point;
-  float area = 0.0f, passed = 0.0f;
-  for (uint32_t i = 0; i < surfel->point_count; i++) area += olx_surfel_point_area(&points[i]);
-  cell_sum sum = {.least = INFINITY};
-  for (uint32_t k = 0, i = 0; k < d->points; k++) {
-    const float wanted = area * ((float)k + 0.5f) / (float)d->points;
-    while (i + 1 < surfel->point_count && passed + olx_surfel_point_area(&points[i]) < wanted)
-      passed += olx_surfel_point_area(&points[i++]);
-    add_point(s, surfel, &points[i], k, &sum, rays);
-  }
-  const olx_vec3 mean = olx_scale(sum.light, 1.0f / (float)d->points);
-  return (olx_surfel_lit){mean, reach_of(&sum, olx_luminance(mean))};
-}
-
-static void light_directly(void *user, uint32_t job) {
-  const direct_job *d = user;
-  const olx_light_surfels *s = &d->light->surfels;
-  const uint32_t first = d->first + job * SURFELS_PER_JOB,
-                 end = first + SURFELS_PER_JOB < d->end ? first + SURFELS_PER_JOB : d->end;
-  for (uint32_t i = first; i < end; i++) d->light->lit[i] = light_cell(d, &s->surfels[i], &d->rays[job]);
-}
-
-static olx_result fill_direct(olx_scene_light *l, uint32_t first, uint32_t end, uint64_t *rays) {
-  const uint32_t jobs = (end - first + SURFELS_PER_JOB - 1) / SURFELS_PER_JOB;
-  uint32_t points = LEAST_DIRECT;
-  while (points < MOST_DIRECT && (uint64_t)points * l->surfels.count < ALL_DIRECT) points *= 2;
-  direct_job d = {
-      .light = l, .points = points, .first = first, .end = end, .rays = olx_allocate_zero(jobs, sizeof *d.rays)};
-  if (!d.rays) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", end - first);
-  const olx_result result = olx_parallel_for(jobs, l->settings.threads, light_directly, &d, l->settings.task, 0);
-  for (uint32_t i = 0; i < jobs; i++) *rays += d.rays[i];
-  olx_release(d.rays);
-  return result;
-}
-
-static uint32_t direct_round(const olx_scene_light *l) {
-  (void)l;
-  return 0;
-}
-
-static uint32_t direct_units(const olx_scene_light *l) {
-  return (l->surfels.count + DIRECT_A_UNIT - 1) / DIRECT_A_UNIT;
-}
-
-static uint32_t direct_first(const olx_scene_light *l, uint32_t unit) {
-  return unit < direct_units(l) ? unit * DIRECT_A_UNIT : l->surfels.count;
-}
-
-static void *direct_array(olx_scene_light *l) {
-  if (!l->lit) l->lit = olx_allocate_zero(l->surfels.count, sizeof *l->lit);
-  return l->lit;
-}
-
-const olx_light_ranges olx_direct_ranges = {"direct",     sizeof(olx_surfel_lit), direct_round, direct_units,
-                                            direct_first, direct_array,           fill_direct};
 
 static olx_result begin_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;

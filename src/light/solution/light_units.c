@@ -7,6 +7,7 @@
 #include "light/links/kept_rays.h"
 #include "light/links/link_batch.h"
 #include "light/solution/final_gather.h"
+#include "light/solution/light_direct.h"
 #include "light/solution/light_ranges.h"
 #include "light/solution/light_records.h"
 #include "light/solution/light_state.h"

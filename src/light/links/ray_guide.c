@@ -11,12 +11,18 @@ static const float LEAST_DENSITY = 0.25f;
 // Least ratio of variance that a guide is assumed to reach.
 static const float LEAST_SPREAD = 1.0f / 32.0f;
 
+// Returns the cell `levels` above another, or the largest one around it.
+static uint64_t cell_above(uint64_t cell, uint32_t levels) {
+  while (levels > 0 && olx_cell_at_level(cell, levels) >> OLX_CELL_BIN_BITS == 0) levels--;
+  return olx_cell_at_level(cell, levels);
+}
+
 olx_result olx_pool_surfels(const olx_light_surfels *surfels, uint32_t levels, uint32_t *pool_of, uint32_t *count) {
   olx_cell_table table = {0};
   olx_result result = olx_cell_table_create(&table, surfels->count);
   *count = 0;
   for (uint32_t i = 0; result == OLX_OK && i < surfels->count; i++) {
-    const uint64_t key = olx_cell_at_level(surfels->surfels[i].cell, levels);
+    const uint64_t key = cell_above(surfels->surfels[i].cell, levels);
     uint32_t number = olx_cell_table_get(&table, key);
     if (number == OLX_CELL_NONE) {
       number = (*count)++;

@@ -34,7 +34,8 @@ typedef struct olx_ray_place {
   uint32_t bin, number; // number: within the bin
 } olx_ray_place;
 
-// Numbers the cells `levels` above those of the surfels. pool_of[i] receives the number of surfel i's.
+// Numbers the cells `levels` above those of the surfels, or the largest cells where there are not so many levels.
+// pool_of[i] receives the number of surfel i's.
 olx_result olx_pool_surfels(const olx_light_surfels *surfels, uint32_t levels, uint32_t *pool_of, uint32_t *count);
 // Puts every surfel into a pool that has learnt nothing yet.
 olx_result olx_ray_guide_create(olx_ray_guide *guide, const olx_light_surfels *surfels);

@@ -11,7 +11,8 @@
 
 bool leaves_probes_open(const olx_scene *scene, const command_line *line, const bake_options *given) {
   const olx_scene_info info = olx_scene_describe(scene);
-  return !given->probes && !was_given(line, "--grid") && !info.has_probe_volume && !info.has_probe_count;
+  const bool needs_grid = given->settings.select_mask & 1u << OLX_SELECT_CAGE;
+  return !given->probes && !was_given(line, "--grid") && !info.has_probe_volume && !info.has_probe_count && !needs_grid;
 }
 
 olx_result place_probes(const olx_scene *scene, double budget_mb, bake_options *given) {

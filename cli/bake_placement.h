@@ -4,7 +4,8 @@
 
 #include "bake_options.h"
 
-// Returns whether nothing says where the light field probes are: neither --probes nor --grid, nor the scene.
+// Returns whether nothing says where the light field probes are: neither --probes nor --grid, nor the scene. Cages are
+// those of a grid, so --select cage asks for one.
 bool leaves_probes_open(const olx_scene *scene, const command_line *line, const bake_options *given);
 // Places probes as `octalux place` does by default, for maps of the chosen size; as many as fit into a budget of a
 // default bake's maps, where it is not 0. The settings own the positions (release_bake_settings).

@@ -308,13 +308,15 @@ static int bake_shared(const olx_scene *scene, bake_command *c, const char *path
 
 // Chooses what the command line and the scene leave open: probes, and with a budget the size of maps.
 static int choose_open(const olx_scene *scene, const command_line *line, bake_command *c) {
-  if (c->budget_mb > 0.0) return fit_bake_budget(scene, line, c->budget_mb, &c->given);
-  if (!leaves_probes_open(scene, line, &c->given)) return EXIT_DONE;
-  if (c->work.part && !c->dry_run) {
-    return usage_error("bake", "--part needs --probes or --grid here, because each call would place probes anew: the "
-                               "scene does not say where they are (octalux place)");
+  const bool budget = c->budget_mb > 0.0, shared = (c->work.part || c->driver) && !c->dry_run;
+  const bool given = c->given.probes || was_given(line, "--grid");
+  const bool places = budget ? !given : leaves_probes_open(scene, line, &c->given);
+  if (places && shared) {
+    return usage_error("bake", "a bake in shares needs --probes (octalux place) or --grid here, because every call or "
+                               "rank would place probes anew");
   }
-  return place_open_probes(scene, &c->given);
+  if (budget) return fit_bake_budget(scene, line, c->budget_mb, &c->given);
+  return places ? place_open_probes(scene, &c->given) : EXIT_DONE;
 }
 
 // Runs or estimates the bake that the options describe.

@@ -196,6 +196,22 @@ class Scenes(Packaged):
                 np.testing.assert_array_equal(field.positions, probes.positions)
                 self.assertTrue(field.info.select_mask & 2)
 
+    def test_probes_are_placed_where_nothing_says_where_they_are(self):
+        corners = [(x, y, z) for x in (0, 4) for y in (0, 3) for z in (0, 5)]
+        faces = ["2 4 3 1", "7 8 6 5", "5 6 2 1", "4 8 7 3", "3 7 5 1", "6 8 4 2"]  # seen from inside
+        lines = ["v {} {} {}".format(*corner) for corner in corners] + [f"f {face}" for face in faces]
+        (self.path / "room.obj").write_text("\n".join(lines) + "\n")
+        (self.path / "flat.obj").write_text("\n".join(lines[:8:2] + ["f 1 2 4 3"]) + "\n")
+        settings = dict(radiance_size=16, noise=0.5, samples=1)
+        with octalux.Scene(self.path / "room.obj") as room:
+            octalux.bake(room, self.path / "room.olx", **settings)
+            with octalux.open(self.path / "room.olx") as field:
+                np.testing.assert_array_equal(field.positions, octalux.place(room, resolution=16).positions)
+            with self.assertRaisesRegex(ValueError, "in parts needs probes"):
+                octalux.bake(room, self.path / "room.olx", work={"folder": str(self.path / "work"), "part": 1, "parts": 2}, **settings)
+        with octalux.Scene(self.path / "flat.obj") as flat, self.assertWarnsRegex(UserWarning, "nowhere to place probes.*on a grid"):
+            self.refused(octalux.Result.ARGUMENT, "4 probes at the same", octalux.bake, flat, self.path / "flat.olx", **settings)
+
     def test_a_budget_gives_the_size_of_maps(self):
         path, settings = self.path / "budget.olx", dict(grid=(2, 1, 2), noise=0.5, samples=1)
         stats = octalux.bake(self.scene, path, budget_mb=0.1, **settings)

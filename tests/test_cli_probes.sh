@@ -71,8 +71,10 @@ grep -q "^octalux bake: placed [1-9][0-9]* probes; " stderr.txt || fail "a bake 
 expect 0 bake room.json -o given.olx $rooms --probes room-probes.json
 cmp placed.olx given.olx || fail "a bake places other probes than octalux place"
 expect_json 'o["probes"] == 8' bake room.json -o grid.olx $rooms --grid 2x2x2
-expect_usage "--part needs --probes or --grid here" bake room.json --work room.work --part 1/2 $rooms
 sed 's/"model"/"probes": {"grid": [3, 1, 2]}, "model"/' room.json >gridded.json
+expect_usage "a bake in shares needs --probes" bake room.json --work room.work --part 1/2 $rooms
+expect_usage "a bake in shares needs --probes" bake gridded.json --work room.work --part 1/2 --budget 1
+expect_json 'o["probes"] == 64' bake room.json -o cages.olx $rooms --select cage
 expect_json 'o["probes"] == 6' bake gridded.json -o gridded.olx $rooms
 
 printf 'v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 4 3 2 1\n' >plane.obj

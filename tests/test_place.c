@@ -177,15 +177,22 @@ static void light_says_which_room_matters(void **state) {
   }
 }
 
-// Without a camera every room counts that light reaches, however large the others are.
+// Without a camera every room counts that light reaches, however large the others are, be it through a pane.
 static void all_lit_rooms_matter(void **state) {
   (void)state;
   olx_scene *scene = made_scene();
   const uint32_t m = matte(scene);
-  const float x[] = {-1.5f, 2.5f, 6.5f}; // of the rooms' centres; no light reaches the last
+  olx_material glass = olx_material_default();
+  glass.alpha = 0.6f;
+  glass.alpha_cutoff = 0.5f;
+  glass.blended = true;
+  const uint32_t pane = made_material(scene, &glass);
+  const float x[] = {-1.5f, 2.5f, 6.5f, 9.5f}; // of the rooms' centres; no light reaches the third
   made_room(scene, olx_v3(x[0], 0, 0), 2.0f, m);
   made_room(scene, olx_v3(x[1], 0, 0), 4.0f, m);
   made_room(scene, olx_v3(x[2], 0, 0), 2.0f, m);
+  made_room(scene, olx_v3(x[3], 0, 0), 2.0f, pane);
+  scene->environment.radiance = olx_splat(1.0f);
   for (uint32_t i = 0; i < 2; i++) {
     const olx_light light = {.type = OLX_LIGHT_POINT, .position = {x[i], 0.5f, 0}, .emission = {1, 1, 1}};
     ASSERT_OK(olx_scene_add_light(scene, &light));
@@ -193,12 +200,12 @@ static void all_lit_rooms_matter(void **state) {
   made_finish(scene);
   const olx_place_settings settings = quick_settings(scene, OLX_PLACE_COVER);
   olx_probe_set set = place(scene, &settings);
-  bool seen[3] = {false};
+  bool seen[4] = {false};
   for (uint32_t i = 0; i < set.count; i++) {
     const float at = set.probes[i].position.x;
-    seen[at < -0.5f ? 0 : at < 4.5f ? 1 : 2] = true;
+    seen[at < -0.5f ? 0 : at < 4.5f ? 1 : at < 8.0f ? 2 : 3] = true;
   }
-  assert_true(seen[0] && seen[1] && !seen[2]);
+  assert_true(seen[0] && seen[1] && !seen[2] && seen[3]);
   olx_probe_set_free(&set);
   olx_scene_free(scene);
 }

@@ -479,7 +479,8 @@ static olx_scene *room_with_a_board(void) {
 
 enum { SHARING_MAP = 512 };
 
-static const float MOST_OFF = 1.5f; // times the light that a texel would gather itself, or less than the inverse
+// A texel's light is off above this multiple of the light that it would gather itself, or below its inverse.
+static const float MOST_OFF = 1.5f;
 
 // Counts the texels that see a part of a scene, and those whose light is off the light that they would gather
 // themselves.
@@ -528,7 +529,7 @@ static counted_texels count_texels(olx_scene *scene, olx_vec3 probe, texel_count
   return counted;
 }
 
-// The ceiling above the end of a board, or above the gap beside it.
+// Returns whether a texel sees the ceiling above the end of a board, or above the gap beside it.
 static bool is_above_the_end(uint32_t texel, olx_vec3 p) {
   (void)texel;
   return p.y > 2.4999f && fabsf(p.x) < 0.05f && fabsf(p.z) < 0.4f;
@@ -544,7 +545,8 @@ static void texels_share_no_light_out_of_a_gap(void **state) {
   assert_true(c.seen > 200 && c.off * 50 < c.seen);
 }
 
-// The same, of texels at the corners of a block alone, between which the others of its plane are interpolated.
+// Returns whether a texel at a corner of a block sees that part of the ceiling. The other texels of a plane block are
+// interpolated between these.
 static bool is_corner_above_the_end(uint32_t texel, olx_vec3 p) {
   const uint32_t x = texel % SHARING_MAP % OLX_BLOCK_SIDE, y = texel / SHARING_MAP % OLX_BLOCK_SIDE;
   if (x % (OLX_BLOCK_SIDE - 1) != 0 || y % (OLX_BLOCK_SIDE - 1) != 0) return false;

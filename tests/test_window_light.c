@@ -53,8 +53,8 @@ static float window_irradiance(olx_vec3 position, olx_vec3 normal) {
   return sum;
 }
 
-// Even samples find the sky in about one of a thousand tries: the root mean square error of these surfels was 3 times
-// their mean light, and the light of all of them together was 8 % off with one seed and 14 % with the next.
+// Even samples find the sky in about one of a thousand tries. When surfels learnt nothing of the window first, the root
+// mean square error of these was 1.9 times their mean light.
 static void surfels_find_a_small_window(void **state) {
   (void)state;
   for (uint32_t seed = 0; seed < 2; seed++) {
@@ -82,7 +82,7 @@ static void surfels_find_a_small_window(void **state) {
     const double spread = sqrt(squares / area) / (wanted / area);
     print_message("all surfels %.3f of the light, RMS error %.2f of the mean\n", found / wanted, spread);
     assert_true(fabs(found / wanted - 1.0) < 0.05);
-    assert_true(spread < 1.5);
+    assert_true(spread < 1.0);
     olx_scene_light_free(light);
     olx_scene_free(scene);
   }

@@ -3,8 +3,8 @@
 // Placement works on any soup of triangles: open, two-sided, intersecting. It answers three questions.
 //
 // Which space matters? The bounds (or the description's box of playable space) are divided into voxels; voxels that
-// touch a surface are solid. The rest is flooded from the cameras; without cameras, the largest space that light
-// reaches counts. Whether a place is inside geometry is decided by the share of back faces seen from there *and* by the
+// touch a surface are solid. The rest is flooded from the cameras; without cameras, every space counts that light
+// reaches, except for very small ones. Whether a place is inside geometry is decided by the share of back faces seen from there *and* by the
 // number of surfaces around it in several directions, never by one of them alone.
 //
 // Which surfaces matter? Surfels represent what that space sees. Positions are chosen by one set of surfels and judged

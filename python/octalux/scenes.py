@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import warnings
 from types import SimpleNamespace
 from typing import Any
 
@@ -116,9 +117,7 @@ def join(folder: str | os.PathLike[str], path: str | os.PathLike[str], *, keep: 
     return native.record(stats)
 
 
-def _size_for_budget(scene: Scene, chosen: native.BakeSettings, budget_mb: float, settings: dict[str, Any]) -> int:
-    if "radiance_size" in settings:
-        raise ValueError("budget_mb and radiance_size exclude each other")
+def _size_for_budget(scene: Scene, chosen: native.BakeSettings, budget_mb: float) -> int:
     size = ctypes.c_uint32()
     native.check(library.olx_bake_size_for_budget(scene.handle, chosen, budget_mb, size))
     return size.value
@@ -127,13 +126,17 @@ def _size_for_budget(scene: Scene, chosen: native.BakeSettings, budget_mb: float
 def _open_probes(scene: Scene, chosen: native.BakeSettings, progress: Progress | None) -> Probes | None:
     """Probes for a scene that does not say where they are; None where it does, and where there is nowhere to place any."""
     info = library.olx_scene_describe(scene.handle)
-    if info.has_probe_volume or info.has_probe_count:
+    needs_grid = chosen.select_mask & 1 << native.number("select", "cage")
+    if info.has_probe_volume or info.has_probe_count or needs_grid:
         return None
+    if chosen.work.parts > 1:
+        raise ValueError("a bake in parts needs probes or grid here, because every call would place probes anew")
     try:
         return place(scene, resolution=chosen.radiance_size, threads=chosen.threads, progress=progress)
     except Error as error:
         if error.result != native.Result.EMPTY:
             raise
+        warnings.warn(f"{error}; probes are on a grid over the bounds instead", stacklevel=3)
         return None
 
 
@@ -142,8 +145,8 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     """Bake a scene's light into the field file `path`, which is whole or not there.
 
     grid: three counts of light field probes in the scene's volume. probes: a `Probes`, or positions (count, 3) in metres, instead of a grid.
-    Without either: the scene's own grid, or else where `place` puts them. irradiance_grid: three counts of irradiance probes (with probe_light=True). select: words for structures to
-    bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
+    Without either: the scene's own grid, or else where `place` puts them. irradiance_grid: three counts of irradiance probes (with
+    probe_light=True). select: words for structures to bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
     is the largest whose field is expected to fit, and cannot be given. Further settings are the members of olx_bake_settings
     (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=128,
     noise=0.02, volume_cells=32, classic=False, relight=False, seed=0, threads=0, ... Bytes depend on scene and settings alone. Returns
@@ -162,6 +165,8 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
     native.fill(chosen, settings)
     for name in (select,) if isinstance(select, str) else select:
         chosen.select_mask |= 1 << native.number("select", name)
+    if budget_mb is not None and "radiance_size" in settings:
+        raise ValueError("budget_mb and radiance_size exclude each other")
     if probes is None and grid is None:
         probes = _open_probes(scene, chosen, progress)
     if probes is not None:
@@ -171,6 +176,6 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
         chosen.probes, chosen.probe_count = arrays.pointer(positions), len(positions)
     watch, stats = native.Watch(progress), native.BakeStats()
     if budget_mb is not None:
-        chosen.radiance_size = _size_for_budget(scene, chosen, budget_mb, settings)
+        chosen.radiance_size = _size_for_budget(scene, chosen, budget_mb)
     watch.call(library.olx_bake, scene.handle, chosen, os.fsencode(path), watch.progress, stats)
     return native.record(stats)

@@ -165,7 +165,7 @@ static olx_result load_scene(void *user, uint32_t unit, olx_byte_reader *from) {
 
 olx_result olx_bake_plan(olx_bake_run *b, olx_result (*make)(olx_bake_run *run)) {
   plan_stage p = {b, make};
-  // Where no camera is in free space, the volume fills the largest space that light reaches.
+  // Where no camera is in free space, the volume fills the spaces that light reaches.
   const olx_unit_stage plan = {"plan", 0, 1, &p, make_plan, save_plan, load_plan, OLX_PARTS_ALL};
   const olx_unit_stage scene = {"scene", 0, 1, b, make_scene, save_scene, load_scene, OLX_PARTS_ALL};
   OLX_TRY(olx_unit_once(b->store, &plan));

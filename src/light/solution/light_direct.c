@@ -18,8 +18,8 @@ enum {
   POOL_SAMPLES = 16,     // samples of a pool in a round for each of its surfels, within these bounds
   LEAST_POOL_SAMPLES = 64,
   MOST_POOL_SAMPLES = 1024,
-  FADED = 4,        // samples that found light in a region, as which all of them count for a pool
-  FOUND_EASILY = 4, // nothing more is learnt where one of so many samples finds light
+  FADED = 4,        // a pool counts what its region learnt as this many samples that found light
+  FOUND_EASILY = 4, // nothing more is learnt where there are more finds than samples over this
   UNIT_SURFELS = 1 << 15,
   SALT_DIRECT = 0x44495245,
   SALT_LESSON = 0x4C45534E
@@ -108,23 +108,23 @@ static void learn_sky(const olx_light_surfels *s, const uint32_t *surfels, uint3
   }
 }
 
+static bool is_wanted(const direct_job *d, const uint32_t *surfels, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) {
+    if (surfels[i] >= d->first && surfels[i] < d->end) return true;
+  }
+  return false;
+}
+
 static void learn_region(void *user, uint32_t region) {
   const direct_job *d = user;
   const surfel_order *o = d->order;
   const uint32_t first = o->regions[region], count = o->regions[region + 1] - first;
   olx_sky_guide *sky = &d->skies[region];
   olx_sky_guide_begin(sky);
-  // Rays are counted for the region's first pool, because there are at least as many pools as regions.
-  if (olx_environment_lit(d->light->scene)) {
+  // Rays are added to the count of the pool with the region's number: there are at least as many pools as regions.
+  if (olx_environment_lit(d->light->scene) && is_wanted(d, o->by_region + first, count)) {
     learn_sky(&d->light->surfels, o->by_region + first, count, REGION_LESSONS, REGION_SAMPLES, sky, &d->rays[region]);
   }
-}
-
-static bool is_wanted(const direct_job *d, const uint32_t *surfels, uint32_t count) {
-  for (uint32_t i = 0; i < count; i++) {
-    if (surfels[i] >= d->first && surfels[i] < d->end) return true;
-  }
-  return false;
 }
 
 static uint32_t pool_samples(uint32_t surfels) {

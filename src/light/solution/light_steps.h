@@ -8,7 +8,6 @@
 olx_result olx_scene_light_begin(olx_scene_light *light);
 // The step that follows once the rays of a round, or the array of one, are complete.
 olx_result olx_scene_light_settle(olx_scene_light *light);
-// Direct light of all surfels. Its points must be in memory to fill it.
 // Releases the solution's data.
 void olx_scene_light_clear(olx_scene_light *light);
 

@@ -150,7 +150,7 @@ static bool light_reaches(const olx_scene *scene, olx_vec3 p, uint32_t seed) {
       if (!olx_emitters_sample(scene, group, p, random, olx_unit_float(olx_hash(key + 2u)), &light)) continue;
       const float length = olx_length(olx_sub(light.target, p)) - light.epsilon_end;
       const olx_ray ray = {p, light.direction, 0.0f, light.infinite ? INFINITY : length};
-      if (!olx_bvh_occluded(scene->bvh, &ray)) return true;
+      if (olx_bvh_transmittance(scene->light_bvh, &ray) > 0.0f) return true; // panes let light pass
     }
   }
   return false;

@@ -13,8 +13,8 @@ enum {
 
 // The next two functions flood the box of interest (space_box.h). The flood begins at the cameras (a camera outside the
 // box enters where it looks) and at pinned probes. Without a camera that can enter, it fills all of the playable box
-// that is not inside geometry or, without a box, the largest such space that light reaches. Without a playable box,
-// space behind the scenery (outdoors.h) is excluded.
+// that is not inside geometry or, without a box, every such space that light reaches, except for crumbs, or the largest
+// where it reaches none. Without a playable box, space behind the scenery (outdoors.h) is excluded.
 //
 // Finds the space in one tile, with `resolution` voxels along its longest side. Returns OLX_ERROR_EMPTY when there is
 // none.

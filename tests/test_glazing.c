@@ -49,7 +49,7 @@ static double solved_share(uint32_t panes) {
   olx_scene_light *light;
   olx_scene_light_settings settings = olx_scene_light_settings_default();
   settings.map_size = 64;
-  settings.noise = 0.005f; // the sum over few points then varies by less than a hundredth between seeds
+  settings.noise = 0.005f; // with 0.02 the sums of six seeds differ by up to 3 %
   settings.bounces = BOUNCES;
   assert_int_equal(olx_scene_light_create(scene, &settings, &probe, &flags, 1, &light), OLX_OK);
   double solved = 0.0, traced = 0.0;

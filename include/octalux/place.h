@@ -4,8 +4,8 @@
 //
 // Which space matters? The bounds (or the description's box of playable space) are divided into voxels; voxels that
 // touch a surface are solid. The rest is flooded from the cameras; without cameras, every space counts that light
-// reaches, except for very small ones. Whether a place is inside geometry is decided by the share of back faces seen from there *and* by the
-// number of surfaces around it in several directions, never by one of them alone.
+// reaches, except for very small ones. Whether a place is inside geometry is decided by the share of back faces seen
+// from there *and* by the number of surfaces around it in several directions, never by one of them alone.
 //
 // Which surfaces matter? Surfels represent what that space sees. Positions are chosen by one set of surfels and judged
 // by another. Surfels lie where rays arrive that leave the space from everywhere in all directions, so a surface counts

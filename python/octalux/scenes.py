@@ -146,7 +146,8 @@ def bake(scene: Scene, path: str | os.PathLike[str], *, grid: Any = None, probes
 
     grid: three counts of light field probes in the scene's volume. probes: a `Probes`, or positions (count, 3) in metres, instead of a grid.
     Without either: the scene's own grid, or else where `place` puts them. irradiance_grid: three counts of irradiance probes (with
-    probe_light=True). select: words for structures to bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best. budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
+    probe_light=True). select: words for structures to bake in, of "cage", "voronoi", "octree", "bricks"; default: what fits best.
+    budget_mb: megabytes (10^6 bytes) that the file may take; then radiance_size
     is the largest whose field is expected to fit, and cannot be given. Further settings are the members of olx_bake_settings
     (include/octalux/bake.h): radiance_size=512, probe_light=False, irradiance_size=128, samples=2, light_samples=1, bounces=128,
     noise=0.02, volume_cells=32, classic=False, relight=False, seed=0, threads=0, ... Bytes depend on scene and settings alone. Returns

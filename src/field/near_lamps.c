@@ -14,7 +14,7 @@ enum { SALT_LAMP = 0x4C414D50 };
 // A surface is near a lamp within this share of the distance that seven eighths of the lamp's rays to surfaces do not
 // exceed: the shade around a lamp covers less, and its room more. Rays into the sky say nothing of the room's size.
 static const float NEAR_SHARE = 0.1f, ROOM_QUANTILE = 0.875f;
-// The least distance at which the light of a point is computed, as a share of that radius.
+// Places closer to a point than this share of that radius get its light from rays that they cast, too.
 static const float SOFT_SHARE = 0.25f;
 // The most rays that end nearby at unknown surfaces, as a share of those that end nearby.
 static const float MOST_UNKNOWN = 0.125f;
@@ -95,6 +95,7 @@ static void add_lamp(olx_near_lamps *l, const olx_light *light, uint32_t number,
   const float radius = NEAR_SHARE * s->distances[(uint32_t)(ROOM_QUANTILE * (float)s->hits)];
   if (s->distances[0] >= radius || !knows(s, radius)) return;
   l->radius[number] = radius;
+  l->reach = olx_max(l->reach, SOFT_SHARE * radius);
   add_points(l, light, radius, s);
 }
 
@@ -144,16 +145,68 @@ const olx_lamp_point *olx_near_lamps_pick(const olx_near_lamps *l, float random,
   return &l->points[i];
 }
 
-bool olx_near_lamps_draw(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
-  float probability;
-  const olx_lamp_point *p = olx_near_lamps_pick(l, random, &probability);
-  const olx_vec3 way = olx_sub(p->position, position);
-  const float squared = olx_dot(way, way);
-  if (!(squared > 0.0f)) return false;
-  const olx_vec3 direction = olx_scale(way, 1.0f / sqrtf(squared));
-  const float cosine = -olx_dot(direction, p->normal);
-  if (cosine <= 0.0f) return false;
-  const float share = cosine / (olx_max(squared, p->soft_squared) * probability);
-  *ray = (olx_lamp_ray){.direction = direction, .target = p->position, .irradiance = olx_scale(p->intensity, share)};
+// A point as a place sees it.
+typedef struct seen_point {
+  const olx_lamp_point *point;
+  olx_vec3 direction;
+  float squared, cosine; // squared distance, and cosine at the point
+  float probability;     // of the point
+} seen_point;
+
+static bool draw_point(const olx_near_lamps *l, olx_vec3 position, float random, seen_point *seen) {
+  seen->point = olx_near_lamps_pick(l, random, &seen->probability);
+  const olx_vec3 way = olx_sub(seen->point->position, position);
+  seen->squared = olx_dot(way, way);
+  if (!(seen->squared > 0.0f)) return false;
+  seen->direction = olx_scale(way, 1.0f / sqrtf(seen->squared));
+  seen->cosine = -olx_dot(seen->direction, seen->point->normal);
+  return seen->cosine > 0.0f;
+}
+
+static olx_lamp_ray ray_to(const seen_point *seen, float share) {
+  return (olx_lamp_ray){.direction = seen->direction,
+                        .target = seen->point->position,
+                        .irradiance = olx_scale(seen->point->intensity, share * seen->cosine / seen->probability)};
+}
+
+bool olx_near_lamps_draw_soft(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
+  seen_point seen;
+  if (!draw_point(l, position, random, &seen)) return false;
+  *ray = ray_to(&seen, 1.0f / olx_max(seen.squared, seen.point->soft_squared));
   return true;
+}
+
+// Returns the share of a surface's light that rays bring to a place at this squared distance from it: their share by
+// the balance heuristic, as if a solid angle of pi got them evenly, which falls to none with the distance. What is left
+// to the points is bounded by the surface's radiance and by the light of a point at sqrt(soft_squared).
+static float share_of_rays(float squared, float cosine, float density, float soft_squared) {
+  if (!(squared < soft_squared)) return 0.0f;
+  const float of_rays = cosine * (1.0f / OLX_PI), of_points = density * squared; // times the squared distance
+  return (1.0f - squared / soft_squared) * of_rays / (of_rays + of_points);
+}
+
+bool olx_near_lamps_draw(const olx_near_lamps *l, olx_vec3 position, float random, olx_lamp_ray *ray) {
+  seen_point seen;
+  if (!draw_point(l, position, random, &seen)) return false;
+  const olx_lamp_point *p = seen.point;
+  const float rays = share_of_rays(seen.squared, seen.cosine, p->density, p->soft_squared);
+  *ray = ray_to(&seen, (1.0f - rays) / seen.squared);
+  return true;
+}
+
+olx_vec3 olx_near_lamps_found(const olx_near_lamps *l, const olx_light *light, uint32_t number,
+                              const olx_lamp_sight *end, olx_vec3 direction) {
+  const olx_vec3 dark = olx_splat(0.0f), way = olx_sub(light->position, end->position);
+  const float radius = l->radius[number], away = olx_dot(way, way), squared = olx_square(end->distance);
+  const float cosine = -olx_dot(direction, end->normal), height = olx_dot(way, end->normal);
+  if (!(away < olx_square(radius)) || !(cosine > 0.0f) || !(height > 0.0f)) return dark; // also without a radius
+  float strength = height / (away * sqrtf(away) * OLX_PI);
+  if (light->type == OLX_LIGHT_SPOT) {
+    const float along = -olx_dot(way, light->direction) / sqrtf(away);
+    strength *= olx_spot_falloff(light->cosine_inner, light->cosine_outer, along);
+  }
+  const olx_vec3 radiance = olx_scale(olx_mul(light->emission, end->albedo), strength);
+  const float density = olx_luminance(radiance) / l->light;
+  if (!olx_finite(radiance)) return dark;
+  return olx_scale(radiance, share_of_rays(squared, cosine, density, olx_square(SOFT_SHARE * radius)));
 }

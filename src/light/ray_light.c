@@ -54,6 +54,10 @@ static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *firs
     // A mirror reflects no light of points, but the rays that it reflects find their surfaces.
     shading.dark = s->lamps && !(passed && lobe.pdf <= 0.0f) ? s->lamps->radius : NULL;
     shading.least_alpha = s->lamps ? OLX_LEAST_LAMP_ALPHA : 0.0f;
+    if (shading.dark) {
+      const olx_vec3 near = olx_lamp_light_found(s->lamps, s->scene, &surface, lobe.direction, hit.t, s->rays);
+      sum = olx_add(sum, olx_mul(throughput, near));
+    }
     const bool last = passed == most;
     const float share = shading.has_specular && !last ? shading.specular_share : 0.0f;
     if (share <= 0.0f || (shading.has_diffuse && olx_sampler_next(s->sampler) >= share)) {

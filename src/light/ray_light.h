@@ -13,13 +13,15 @@ olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uin
                        const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays);
 
 // Returns the same light but for what surfaces near lamps (field/near_lamps.h) reflect of these lamps and send to the
-// ray's origin, which would be rare and very bright: olx_scene_light_beam samples it. Smooth surfaces show lamps as
-// wider lobes do, so this is for rays whose light is averaged.
+// ray's origin, which would be rare and very bright: olx_scene_light_beam samples it, but for a share from surfaces
+// close to the origin, which the ray brings. Smooth surfaces show lamps as wider lobes do, so this is for rays whose
+// light is averaged.
 olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces,
                                       const olx_ray *ray, const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays);
 
-// Draws what surfaces near lamps send to a place in free space: the mean over samples is all of it. Returns false for a
-// sample without light. Adds the shadow ray that it casts to *rays.
+// Draws what surfaces near lamps send to a place in free space: the mean over samples is all of it that
+// olx_ray_light_but_near_lamps leaves out. Returns false for a sample without light. Adds the shadow ray that it casts
+// to *rays.
 bool olx_scene_light_beam(const olx_scene *scene, const olx_scene_light *light, olx_vec3 position, olx_sampler *sampler,
                           olx_lamp_beam *beam, uint64_t *rays);
 

@@ -120,7 +120,7 @@ static void light_by(olx_relit_direct *direct, olx_relit_batch *batch, uint32_t 
 static bool aim_near(const olx_near_lamps *lamps, olx_vec3 position, olx_vec3 normal, float random, olx_shadow_ray *ray,
                      olx_vec3 *irradiance) {
   olx_lamp_ray to;
-  if (!olx_near_lamps_draw(lamps, position, random, &to)) return false;
+  if (!olx_near_lamps_draw_soft(lamps, position, random, &to)) return false;
   const float cosine = olx_dot(to.direction, normal);
   *ray = (olx_shadow_ray){position, to.direction, olx_length(olx_sub(to.target, position)) * (1.0f - OLX_END_SHARE)};
   *irradiance = olx_scale(to.irradiance, cosine);

@@ -95,10 +95,19 @@ static void sample_lamps(const olx_ray_caster *c, const olx_surface *surface, co
 }
 
 // Returns the radii of lamps whose direct light the end of a ray leaves out, because points near the lamps stand for
-// it.
+// it, or add_lamps adds it.
 // A mirror reflects no light of points, but the rays that it reflects find their surfaces.
 static const float *dark_of(const olx_ray_caster *c, const way *w) {
   return w->chain > 0 && !w->lit && w->lobe.pdf <= 0.0f ? NULL : c->surfels->lamps.radius;
+}
+
+// Adds the share of the light of surfaces near lamps that their points leave to rays which end close by.
+static void add_lamps(const olx_ray_caster *c, const way *w, const olx_surface *surface, olx_ray_end *end,
+                      uint64_t *rays) {
+  const olx_light_surfels *s = c->surfels;
+  if (!dark_of(c, w)) return;
+  const olx_vec3 light = olx_lamp_light_found(&s->lamps, s->scene, surface, w->lobe.direction, w->hit.t, rays);
+  add_light(end, w->chain + 1, olx_mul(w->throughput, light));
 }
 
 static olx_vec3 direct_irradiance(const olx_ray_caster *c, way *w, const olx_surface *surface, uint64_t *rays) {
@@ -180,6 +189,7 @@ static void follow(const olx_ray_caster *c, way *w, olx_ray_end *end, uint64_t *
     if (w->chain > 0 && !w->lit) {
       add_light(end, w->chain, olx_mul(w->throughput, olx_emission_found(scene, &surface, w->origin, &w->lobe)));
     }
+    add_lamps(c, w, &surface, end, rays);
     olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     shading.dark = dark_of(c, w);
     shading.least_alpha = OLX_LEAST_LAMP_ALPHA;

@@ -50,6 +50,25 @@ olx_vec3 olx_lamp_irradiance(const olx_near_lamps *l, const olx_scene *scene, co
   return olx_scale(olx_lamp_light(l, scene, &shading, sampler, rays).diffuse, OLX_PI);
 }
 
+olx_vec3 olx_lamp_light_found(const olx_near_lamps *l, const olx_scene *scene, const olx_surface *surface,
+                              olx_vec3 direction, float distance, uint64_t *rays) {
+  olx_vec3 sum = {0};
+  if (!(distance < l->reach)) return sum;
+  const olx_lamp_sight end = {.distance = distance,
+                              .position = surface->position,
+                              .normal = surface->geometric_normal,
+                              .albedo = olx_bsdf_lamp_albedo(&surface->bsdf)};
+  for (uint32_t i = 0; i < scene->light_count; i++) {
+    const olx_light *light = &scene->lights[i];
+    const olx_vec3 found = olx_near_lamps_found(l, light, i, &end, direction);
+    if (!(olx_max3(found) > 0.0f)) continue;
+    const olx_ray ray = olx_surface_ray_to(surface, light->position, olx_place_epsilon(scene, light->position));
+    ++*rays;
+    sum = olx_madd(sum, found, olx_bvh_transmittance(scene->light_bvh, &ray));
+  }
+  return sum;
+}
+
 bool olx_lamp_light_draw(const olx_near_lamps *l, const olx_scene *scene, olx_vec3 position, olx_sampler *sampler,
                          olx_lamp_beam *beam, uint64_t *rays) {
   olx_lamp_ray drawn;

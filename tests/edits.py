@@ -144,11 +144,13 @@ def write_closed_rooms(folder, lamp, camera, pinned):
 
 
 def reach_other_rooms(folder, octalux):
-    """Pins a probe in a room that the camera does not see, and moves the lamp where no camera says what is reached."""
+    """Pins a probe in a room that the camera does not see, and moves the lamp where no camera says what is reached: the
+    first time it is near no surface, and then near one."""
     folder.mkdir()
     (folder / "probes.json").write_text(json.dumps({"probes": [{"position": [2, 1.3, 1.4]}]}))
     steps = [("a camera alone", [1, 2, 1], True, None, VIEW), ("a pinned probe", [1, 2, 1], True, [11, 1.2, 1], VIEW),
-             ("no camera", [1, 2, 1], False, None, VIEW), ("the lamp elsewhere", [10, 2, 1], False, None, SHADE)]
+             ("no camera", [1, 2, 1], False, None, VIEW), ("the lamp elsewhere", [10, 2, 1], False, None, SHADE),
+             ("the lamp at a wall", [2, 1.2, 0.1], False, None, SHADE)]
     for what, lamp, camera, pinned, expected in steps:
         write_closed_rooms(folder, lamp, camera, pinned)
         compare(octalux, folder, expected, what)

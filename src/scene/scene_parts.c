@@ -255,7 +255,7 @@ olx_result olx_scene_hash_inputs(const olx_scene *scene, olx_scene_inputs *input
   for (uint32_t i = 0; i < 3; i++) inputs->origin[i] = scene->origin[i];
   for (uint32_t i = 0; i < scene->material_count; i++) {
     XXH3_state_t state;
-    uint64_t *slot = &inputs->slots[i % OLX_INPUT_SURFELS];
+    uint64_t *slot = &inputs->slots[i % OLX_INPUT_MATERIALS];
     XXH3_64bits_reset(&state);
     XXH3_64bits_update(&state, slot, sizeof *slot);
     hash_material(&state, &scene->materials[i]);

@@ -22,10 +22,16 @@ uint64_t olx_scene_hash(const olx_scene *scene);
 
 olx_scene_parts_hash olx_scene_hash_parts(const olx_scene *scene);
 
-// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others; one
-// slot is for how surfels lie, which those who have surfels fill in (light/links/former_surfels.h), and the last for
-// everything that emits, with where emitting triangles are.
-enum { OLX_INPUT_SLOTS = 64, OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1, OLX_INPUT_SURFELS = OLX_INPUT_SLOTS - 2 };
+// Hashes of what a ray may depend on, finer than parts: each material has a slot, which it may share with others; the
+// last slot is for everything that emits, with where emitting triangles are. Those who have surfels fill in two slots
+// (light/links/former_surfels.h): how surfels lie, and the surfaces near lamps, 0 where no lamp has any.
+enum {
+  OLX_INPUT_SLOTS = 64,
+  OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1,
+  OLX_INPUT_SURFELS = OLX_INPUT_SLOTS - 2,
+  OLX_INPUT_NEAR_LAMPS = OLX_INPUT_SLOTS - 3,
+  OLX_INPUT_MATERIALS = OLX_INPUT_SLOTS - 3 // number of slots of materials, which are the first
+};
 
 typedef struct olx_scene_inputs {
   uint64_t surfaces; // geometry, and which material lies where on it
@@ -41,7 +47,9 @@ typedef struct olx_scene_inputs {
 olx_result olx_scene_hash_inputs(const olx_scene *scene, olx_scene_inputs *inputs);
 
 // Returns the bit of a material's slot.
-static inline uint64_t olx_input_of_material(uint32_t material) { return UINT64_C(1) << material % OLX_INPUT_SURFELS; }
+static inline uint64_t olx_input_of_material(uint32_t material) {
+  return UINT64_C(1) << material % OLX_INPUT_MATERIALS;
+}
 
 // Returns the slots that differ, as bits.
 static inline uint64_t olx_inputs_changed(const olx_scene_inputs *a, const olx_scene_inputs *b) {

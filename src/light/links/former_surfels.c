@@ -59,7 +59,7 @@ olx_scene_inputs olx_surfels_inputs(const olx_light_surfels *s, uint64_t surfels
   hash[1] = olx_content_hash(lamps->radius, s->scene->light_count * sizeof *lamps->radius);
   hash[2] = olx_content_hash(lamps->points, lamps->count * sizeof *lamps->points);
   hash[3] = olx_content_hash(lamps->sums, lamps->count * sizeof *lamps->sums);
-  inputs.slots[OLX_INPUT_LIGHTS] = olx_content_hash(hash, sizeof hash);
+  inputs.slots[OLX_INPUT_LIGHTS] = inputs.slots[OLX_INPUT_NEAR_LAMPS] = olx_content_hash(hash, sizeof hash);
   return inputs;
 }
 

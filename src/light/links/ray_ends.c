@@ -87,6 +87,7 @@ static void cast_on(const olx_ray_caster *c, way *w, const olx_surface *surface,
 static void sample_lamps(const olx_ray_caster *c, const olx_surface *surface, const olx_ray_draw *draw,
                          olx_ray_end *end) {
   const olx_near_lamps *lamps = &c->surfels->lamps;
+  end->needs |= UINT64_C(1) << OLX_INPUT_NEAR_LAMPS; // also where there are none yet
   if (lamps->count == 0) return;
   olx_sampler sampler = {.seed = olx_hash2(draw->seed, SALT_LAMPS), .index = draw->index};
   end->needs |= lights_needed | lamps->needs;

@@ -139,6 +139,13 @@ static olx_bake_settings small_settings(const olx_scene *scene, olx_grid grid, u
   return settings;
 }
 
+// Returns settings for tests in which the accuracy of light does not matter.
+static olx_bake_settings rough_settings(const olx_scene *scene, olx_grid grid, uint32_t bounces) {
+  olx_bake_settings settings = small_settings(scene, grid, bounces);
+  settings.noise = 0.1f;
+  return settings;
+}
+
 static olx_field *bake_field(const olx_scene *scene, const olx_bake_settings *settings, const char *path,
                              olx_bake_stats *stats) {
   assert_int_equal(olx_bake(scene, settings, path, NULL, stats), OLX_OK);
@@ -415,7 +422,7 @@ static olx_scene *busy_scene(void) {
 static void bytes_do_not_depend_on_threads(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
-  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 2);
+  olx_bake_settings settings = rough_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 2);
   settings.relight = true;
   const uint32_t threads[] = {1, 2, 5, 5};
   size_t size = 0, first_size = 0;
@@ -485,7 +492,7 @@ static void another_seed_draws_other_noise_alone(void **state) {
 static void sizes_and_samples_combine(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
-  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(0.0f), 1, 1, 1), 1);
+  olx_bake_settings settings = rough_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(0.0f), 1, 1, 1), 1);
   const uint32_t cases[][3] = {{8, 8, 1}, {8, 32, 8}, {16, 64, 3}, {64, 8, 5}, {32, 256, 7}, {128, 16, 1}};
   for (uint32_t i = 0; i < 6; i++) {
     settings.radiance_size = cases[i][0];
@@ -572,7 +579,7 @@ static uint32_t assert_in_both(const olx_file_header *a, const olx_file_header *
 static void probe_light_stands_beside_the_rest(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
-  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 1);
+  olx_bake_settings settings = rough_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 1);
   olx_bake_stats with, without;
   size_t size;
   olx_field_close(bake_field(scene, &settings, f->file, &with));
@@ -662,7 +669,7 @@ static void a_part_with_too_little_memory_names_its_work_folder(void **state) {
 static void cancelling_keeps_the_old_file(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
-  const olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 2);
+  const olx_bake_settings settings = rough_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 2, 2), 2);
   const float stops[] = {0.0f, 0.5f, 0.9f, 2.0f};
   for (uint32_t i = 0; i < 4; i++) {
     FILE *old = fopen(f->file, "wb");
@@ -693,7 +700,7 @@ static void cancelling_keeps_the_old_file(void **state) {
 static void killing_leaves_old_or_new(void **state) {
   const folder *f = *state;
   olx_scene *scene = busy_scene();
-  olx_bake_settings settings = small_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 1);
+  olx_bake_settings settings = rough_settings(scene, grid_of(olx_splat(-0.5f), olx_splat(1.0f), 2, 1, 2), 1);
   olx_bake_stats stats;
   settings.samples = 1;
   olx_field_close(bake_field(scene, &settings, f->file, &stats));

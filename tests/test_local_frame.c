@@ -40,6 +40,7 @@ static olx_bake_settings small_bake(const olx_scene *scene) {
   settings.radiance_size = 32;
   settings.irradiance_size = 16;
   settings.bounces = 1;
+  settings.noise = 0.1f;
   return settings;
 }
 

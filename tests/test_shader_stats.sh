@@ -12,7 +12,7 @@ tests=$OCTALUX_SOURCE_DIR/tests
 export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" # allocations that drivers keep cannot be named
 
 "$OCTALUX" bake builtin:cornell-glossy -o tiny.olx --grid 2x2x2 --irradiance-grid 2x2x2 --radiance-size 16 --irradiance-size 16 \
-  --select cage,bricks,voronoi --relight --classic --classic-size 32 --samples 1 --bounces 0 >/dev/null || fail "bake"
+  --select cage,bricks,voronoi --relight --classic --classic-size 32 --samples 1 --bounces 0 --noise 0.3 >/dev/null || fail "bake"
 OCTALUX=$bench
 expect_usage "--compile goes with --field" --compile
 expect_usage "--compile goes with --field" --compile --field tiny.olx --data .

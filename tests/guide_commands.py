@@ -7,6 +7,9 @@ import re
 import struct
 import sys
 
+# Smaller pictures, fewer probes and more noise than the guides' commands ask for, so that these take less time.
+QUICKER = {"--size 320x180": "--size 160x90", "--budget 10": "--budget 2",
+           "bake room.json --probes probes.json -o room.olx": "bake room.json --probes probes.json -o room.olx --noise 0.05"}
 BLOCK = re.compile(r"^```(sh|json (\S+))\n(.*?)^```$", re.S | re.M)
 
 
@@ -56,15 +59,21 @@ def write_room(path):
 def main():
     write_room("room.gltf")
     print("set -euxo pipefail")
+    slow = set(QUICKER)
     for page in sys.argv[1:]:
         with open(page, encoding="utf-8") as text:
             blocks = BLOCK.findall(text.read())
         for kind, name, body in blocks:
             if kind == "sh":
+                slow -= {words for words in slow if words in body}
+                for words, quicker in QUICKER.items():
+                    body = body.replace(words, quicker)
                 print(body)
                 continue
             with open(name, "w") as out:
                 out.write(body)
+    if slow:
+        sys.exit("the guides no longer say: " + ", ".join(sorted(slow)))
 
 
 main()

@@ -161,7 +161,7 @@ expect 0 bake "${edit[@]:0:7}" -o fresh.olx --no-work
 cmp -s edited.olx fresh.olx || fail "another field after an edit that changes the bounds"
 
 # A long bake whose results cannot be kept has no folder, unless one is named.
-classic=(builtin:cornell --grid 8x8x8 --classic --light reference)
+classic=(builtin:cornell --grid 8x8x8 --classic --light reference --threads 1)
 timeout 2 "$OCTALUX" bake "${classic[@]}" -o old.olx >stdout.txt 2>stderr.txt
 [ $? = 124 ] || fail "a long classic bake does not begin: $(cat stderr.txt)"
 [ -e old.olx.work ] && fail "a folder for results that cannot be kept"

@@ -12,6 +12,10 @@ import numpy as np
 import octalux
 
 
+# Shells start background commands with SIGINT ignored, and then Python raises no KeyboardInterrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class Packaged(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

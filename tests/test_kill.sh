@@ -6,8 +6,8 @@ rounds=${1:-2}
 : "${OCTALUX_NAMED_FILES:?the library that stands for a file system without unnamed files}"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-bake=("$OCTALUX" bake builtin:cornell -o "$work/field.olx" --grid 2x2x2 --radiance-size 128 --irradiance-size 16
-  --bounces 1 --noise 0.2)
+bake=("$OCTALUX" bake builtin:cornell -o "$work/field.olx" --grid 2x2x2 --radiance-size 64 --irradiance-size 16
+  --bounces 1 --noise 0.5)
 
 fail() {
   echo "$1" >&2

@@ -5,7 +5,7 @@
 #include "core/sampling.h"
 #include "made_scenes.h"
 #include "scene/bvh.h"
-#include "scene/emitters.h"
+#include "scene/direct_light.h"
 #include "scene/scene_build.h"
 #include "scene/spherical_triangle.h"
 
@@ -47,6 +47,67 @@ static olx_vec3 irradiance(const olx_scene *scene, uint32_t group, olx_vec3 posi
 static double corner_form_factor(double a, double b, double c) {
   const double x = a / c, y = b / c, rx = sqrt(1.0 + x * x), ry = sqrt(1.0 + y * y);
   return (x / rx * atan(y / rx) + y / ry * atan(x / ry)) / (2.0 * 3.14159265358979323846);
+}
+
+// Makes a sky with a spot of one texel that is `contrast` times as bright as the rest.
+static olx_scene *spotted_sky(float contrast) {
+  enum { WIDTH = 64, HEIGHT = 32 };
+  olx_scene *scene = made_scene();
+  olx_environment *e = &scene->environment;
+  *e = (olx_environment){.radiance = {1.0f, 1.0f, 1.0f}, .width = WIDTH, .height = HEIGHT};
+  e->texels = olx_allocate((size_t)3 * WIDTH * HEIGHT, sizeof *e->texels);
+  assert_non_null(e->texels);
+  for (uint32_t i = 0; i < 3 * WIDTH * HEIGHT; i++) e->texels[i] = 1.0f;
+  for (uint32_t c = 0; c < 3; c++) e->texels[3 * (HEIGHT / 2 * WIDTH + WIDTH / 4) + c] = contrast;
+  const olx_material material = olx_material_default();
+  made_square(scene, 0.0f, made_material(scene, &material));
+  return made_finish(scene);
+}
+
+static void skies_with_a_sun_are_uneven(void **state) {
+  (void)state;
+  const struct {
+    float contrast;
+    bool even;
+  } cases[] = {{1.0f, true}, {20.0f, true}, {20000.0f, false}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    olx_scene *scene = spotted_sky(cases[i].contrast);
+    assert_int_equal(olx_environment_is_even(scene), cases[i].even);
+    olx_scene_free(scene);
+  }
+}
+
+// Returns the mean direct irradiance of the middle of a floor by 4,096 samples.
+static double floor_irradiance(const olx_scene *scene, olx_direct_kinds kinds) {
+  enum { SAMPLES = 4096 };
+  const olx_direct_query query = {.kinds = kinds};
+  const olx_surface surface = {.position = {0.0f, 0.0f, 0.0f},
+                               .geometric_normal = {0.0f, 1.0f, 0.0f},
+                               .shading_normal = {0.0f, 1.0f, 0.0f},
+                               .epsilon = 1e-4f};
+  double sum = 0.0;
+  uint64_t rays = 0;
+  for (uint32_t i = 0; i < SAMPLES; i++) {
+    olx_sampler sampler = {.seed = 7, .index = i};
+    sum += (double)olx_direct_irradiance_of(scene, &surface, &query, &sampler, &rays).x / SAMPLES;
+  }
+  return sum;
+}
+
+// A floor below a square lamp of 2 m at a height of 1 m and an even sky around it.
+static void the_sky_and_other_light_add_up(void **state) {
+  (void)state;
+  olx_scene *scene = made_scene();
+  const olx_material paint = olx_material_default(), lamp = glowing(olx_splat(3.0f), false);
+  made_square(scene, 0.0f, made_material(scene, &paint));
+  made_quad(scene, olx_v3(0, 1, 0), olx_v3(2, 0, 0), olx_v3(0, 0, 2), made_material(scene, &lamp));
+  scene->environment.radiance = olx_splat(2.0f);
+  made_finish(scene);
+  const double share = 4.0 * corner_form_factor(1.0, 1.0, 1.0), pi = 3.14159265358979323846;
+  assert_close(floor_irradiance(scene, OLX_DIRECT_BUT_SKY), 3.0 * pi * share, 0.01);
+  assert_close(floor_irradiance(scene, OLX_DIRECT_SKY), 2.0 * pi * (1.0 - share), 0.01);
+  assert_close(floor_irradiance(scene, OLX_DIRECT_ALL), pi * (3.0 * share + 2.0 * (1.0 - share)), 0.01);
+  olx_scene_free(scene);
 }
 
 static void a_rectangle_lights_a_parallel_surface_as_the_closed_form_says(void **state) {
@@ -557,6 +618,8 @@ int main(void) {
       cmocka_unit_test(kinds_of_lights_do_not_share_a_group),
       cmocka_unit_test(a_scene_without_light_has_no_groups),
       cmocka_unit_test(a_constant_sky_gives_pi),
+      cmocka_unit_test(skies_with_a_sun_are_uneven),
+      cmocka_unit_test(the_sky_and_other_light_add_up),
       cmocka_unit_test(the_density_of_an_image_sky_integrates_to_one),
       cmocka_unit_test(sampled_sky_directions_have_the_density_that_is_asked_for),
       cmocka_unit_test(rotation_turns_the_sky_about_y),

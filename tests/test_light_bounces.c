@@ -74,8 +74,8 @@ static void load(void *user, olx_bounce_state *state) {
 
 static olx_result solve(ring *r, keeper *k, uint32_t *done) {
   const olx_bounce_keeper kept = {k, load, save};
-  return olx_bounces_solve(&r->all, SURFELS, 1, r->direct, BOUNCES, k ? &kept : NULL, r->irradiance, r->passed_on,
-                           done);
+  return olx_bounces_solve(&r->all, SURFELS, 1, &(olx_surfel_direct){.all = r->direct}, BOUNCES, k ? &kept : NULL,
+                           r->irradiance, r->passed_on, done);
 }
 
 static void light_of_a_few_bounces_is_a_sum_over_paths(void **state) {
@@ -84,7 +84,9 @@ static void light_of_a_few_bounces_is_a_sum_over_paths(void **state) {
   uint32_t done;
   make_ring(&r);
   const olx_bounce_keeper none = {&(keeper){.at = UINT32_MAX}, load, save};
-  assert_int_equal(olx_bounces_solve(&r.all, SURFELS, 1, r.direct, 2, &none, r.irradiance, r.passed_on, &done), OLX_OK);
+  assert_int_equal(olx_bounces_solve(&r.all, SURFELS, 1, &(olx_surfel_direct){.all = r.direct}, 2, &none, r.irradiance,
+                                     r.passed_on, &done),
+                   OLX_OK);
   assert_int_equal(done, 2);
   assert_true(r.irradiance[1].x == 4.0f * 0.25f);            // one reflection: from surfel 0
   assert_true(r.irradiance[0].x == 4.0f * 0.25f * 0.375f);   // two reflections: from surfel 0 to 1 and back

@@ -585,7 +585,7 @@ static olx_vec3 light_taken(const olx_scene_light_parts *parts, const olx_surfac
   const olx_surfel_point point = olx_surfel_point_make(&parts->surfels->grid, surface, hit, 0.01f);
   const olx_surfel_found found = olx_light_surfels_find(parts->surfels, point.key, surface, INFINITY);
   if (found.surfel == OLX_CELL_NONE || olx_surfel_is_uneven(parts->surfels, found.surfel)) return exact;
-  return parts->direct[found.surfel];
+  return parts->direct.all[found.surfel];
 }
 
 typedef struct sunlight {
@@ -633,7 +633,7 @@ static void gathers_beside_a_dark_surfel_keep_their_light(void **state) {
   olx_scene_light *light = solve_room(scene, 0.02f);
   const olx_scene_light_parts parts = olx_scene_light_open(light);
   olx_vec3 *all = calloc(parts.surfels->count, sizeof *all);
-  for (uint32_t i = 0; i < parts.surfels->count; i++) all[i] = olx_add(parts.direct[i], parts.irradiance[i]);
+  for (uint32_t i = 0; i < parts.surfels->count; i++) all[i] = olx_add(parts.direct.all[i], parts.irradiance[i]);
   const olx_passed_light passed = {parts.direct, all, 32};
   double found = 0.0, wanted = 0.0;
   for (uint32_t i = 0; i < PLACES; i++) {

@@ -73,7 +73,7 @@ static void surfels_find_a_small_window(void **state) {
       const olx_light_surfel *s = &parts.surfels->surfels[i];
       if (s->position.x > 1.0f) continue; // light varies within cells near the window
       const double truth = (double)window_irradiance(s->position, s->normal);
-      const double is = (double)olx_luminance(parts.direct[i]), share = (double)s->side * (double)s->side;
+      const double is = (double)olx_luminance(parts.direct.all[i]), share = (double)s->side * (double)s->side;
       found += share * is;
       wanted += share * truth;
       squares += share * (is - truth) * (is - truth);

@@ -148,7 +148,7 @@ typedef struct ray_sums {
 // Adds rays that are divided by a pool's density, or evenly when that is NULL.
 static void add_rays(const olx_scene_light *l, const olx_surface *surface, const olx_ray_pool *pool, uint32_t seed,
                      ray_sums *all) {
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  const olx_passed_light light = {olx_light_direct(l), l->passed_on, l->settings.bounces};
   const olx_ray_caster caster = {.surfels = &l->surfels};
   const olx_bin_sequence sequence = olx_bin_sequence_make(seed);
   uint16_t bins[OLX_GUIDE_BINS];

@@ -201,7 +201,7 @@ static olx_result use_solution(const study *s, uint32_t seed, olx_relight *r, pi
          parts.surfels->count);
   if (parts.surfels->count != count) printf("(no comparison with the solution, whose surfels are others)\n");
   else {
-    for (uint32_t i = 0; i < count; i++) r->surfels.direct[i] = parts.direct[i];
+    for (uint32_t i = 0; i < count; i++) r->surfels.direct[i] = parts.direct.all[i];
     first_bounce(r);
     OLX_TRY(interpolate(s, r, &p->lit_first.seed[seed]));
     for (uint32_t i = 0; i < count; i++) r->surfels.irradiance[i] = parts.irradiance[i];

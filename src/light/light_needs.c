@@ -25,7 +25,7 @@ static uint64_t point_bytes(const olx_scene_light *l) { return l->surfels.point_
 // Returns the bytes of a step's result, which has everything but points and links.
 static uint64_t step_bytes(const olx_scene_light *l) {
   const uint64_t surfel = sizeof(olx_light_surfel) + sizeof(olx_fixed_light) + 2 * sizeof(float) +
-                          3 * sizeof(olx_vec3) + sizeof *l->guide.pool_of +
+                          4 * sizeof(olx_vec3) + sizeof *l->guide.pool_of +
                           OLX_LIGHT_REFINEMENTS * sizeof(uint32_t) +  // surfels of refining batches
                           2 * sizeof(olx_ray_sum) + sizeof(uint32_t); // final rays
   return l->surfels.count * surfel + l->guide.pool_count * sizeof *l->guide.pools + table_bytes(&l->surfels.table) +

@@ -12,6 +12,7 @@ typedef struct ray_shade {
   const olx_scene *scene;
   const olx_scene_light *light;
   const olx_near_lamps *lamps; // sampled apart from the ray; NULL: they are not
+  bool averaged;               // light is that of many rays together: cells may stand for the points in them
   olx_sampler *sampler;
   uint64_t *rays;
 } ray_shade;
@@ -20,7 +21,10 @@ typedef struct ray_shade {
 static olx_vec3 diffuse_light(const ray_shade *s, float indirect, const olx_ray_hit *hit, const olx_surface *surface,
                               olx_vec3 reflectance, const float *dark) {
   if (olx_max3(reflectance) <= 0.0f) return olx_splat(0.0f);
-  const olx_vec3 direct = olx_direct_irradiance_but(s->scene, surface, dark, NULL, s->sampler, s->rays);
+  olx_vec3 sky = {0};
+  const bool has_sky = s->averaged && olx_scene_light_sky(s->light, surface, &sky);
+  const olx_direct_query query = {.kinds = has_sky ? OLX_DIRECT_BUT_SKY : OLX_DIRECT_ALL, .dark = dark};
+  const olx_vec3 direct = olx_add(sky, olx_direct_irradiance_of(s->scene, surface, &query, s->sampler, s->rays));
   olx_surface smooth = *surface;
   smooth.shading_normal = olx_surface_vertex_normal(s->scene, hit, surface);
   const olx_vec3 irradiance = olx_madd(direct, olx_scene_light_irradiance_before(s->light, &smooth), indirect);
@@ -82,7 +86,7 @@ static olx_vec3 follow(const ray_shade *s, uint32_t bounces, const olx_ray *firs
 
 olx_vec3 olx_ray_light(const olx_scene *scene, const olx_scene_light *light, uint32_t bounces, const olx_ray *ray,
                        const olx_ray_hit *hit, olx_sampler *sampler, uint64_t *rays) {
-  const ray_shade s = {scene, light, NULL, sampler, rays};
+  const ray_shade s = {.scene = scene, .light = light, .sampler = sampler, .rays = rays};
   return follow(&s, bounces, ray, hit);
 }
 
@@ -90,7 +94,7 @@ olx_vec3 olx_ray_light_but_near_lamps(const olx_scene *scene, const olx_scene_li
                                       const olx_ray *ray, const olx_ray_hit *hit, olx_sampler *sampler,
                                       uint64_t *rays) {
   const olx_near_lamps *lamps = &olx_scene_light_open(light).surfels->lamps;
-  const ray_shade s = {scene, light, lamps->count ? lamps : NULL, sampler, rays};
+  const ray_shade s = {scene, light, lamps->count ? lamps : NULL, true, sampler, rays};
   return follow(&s, bounces, ray, hit);
 }
 

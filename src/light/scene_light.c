@@ -83,8 +83,16 @@ olx_scene_light_report olx_scene_light_describe(const olx_scene_light *light) {
   return report;
 }
 
+bool olx_scene_light_sky(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {
+  if (!l->sky) return false;
+  const uint64_t key = olx_cell_key(&l->surfels.grid, surface->position, surface->geometric_normal);
+  const uint32_t found = olx_light_surfels_find(&l->surfels, key, surface, INFINITY).surfel;
+  if (found != OLX_CELL_NONE) *irradiance = l->sky[found];
+  return found != OLX_CELL_NONE;
+}
+
 olx_scene_light_parts olx_scene_light_open(const olx_scene_light *l) {
-  return (olx_scene_light_parts){&l->surfels, &l->links, l->visible, l->direct, l->irradiance};
+  return (olx_scene_light_parts){&l->surfels, &l->links, l->visible, olx_light_direct(l), l->irradiance};
 }
 
 bool olx_scene_light_interpolate(const olx_scene_light *l, const olx_surface *surface, olx_vec3 *irradiance) {

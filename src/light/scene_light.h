@@ -43,11 +43,17 @@ typedef struct olx_gathered_light {
 // of the point; a gather casts 256 to 1,024 rays, the more the noisier light is there, which takes at least about fifty
 // times as long. `row` keeps what they find; it may be NULL.
 bool olx_scene_light_interpolate(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
-olx_gathered_light olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface, olx_gather_row *row);
+olx_gathered_light olx_scene_light_gather(const olx_scene_light *light, const olx_surface *surface,
+                                          olx_gather_row *row);
 
 // Returns the irradiance as by olx_scene_light_irradiance, with one bounce less. Together with the surface's direct
 // light it is what a ray that ends at the surface brings to a place with as many bounces as the solution.
 olx_vec3 olx_scene_light_irradiance_before(const olx_scene_light *light, const olx_surface *surface);
+
+// Returns whether `irradiance` receives the mean irradiance in W/m^2 that the sky brings directly to the cell of a
+// surface. It does not where no surfel serves the surface, or where the sky sends light from a few small places alone,
+// which a mean over a cell would blur.
+bool olx_scene_light_sky(const olx_scene_light *light, const olx_surface *surface, olx_vec3 *irradiance);
 
 // Loads links and points into memory, where the solution was loaded without them. Returns OLX_ERROR_INCOMPLETE when
 // some were damaged: the next run that solves the light recomputes them.
@@ -57,8 +63,9 @@ olx_result olx_scene_light_load_links(olx_scene_light *light);
 typedef struct olx_scene_light_parts {
   const olx_light_surfels *surfels;
   const olx_light_links *links;
-  uint32_t visible;                    // number of surfels on surfaces that probes see, which come first
-  const olx_vec3 *direct, *irradiance; // of all surfels, W/m^2
+  uint32_t visible;           // number of surfels on surfaces that probes see, which come first
+  olx_surfel_direct direct;   // of all surfels
+  const olx_vec3 *irradiance; // of all surfels, W/m^2
 } olx_scene_light_parts;
 
 olx_scene_light_parts olx_scene_light_open(const olx_scene_light *light);

@@ -109,11 +109,16 @@ static bool draw_light(const olx_scene *scene, const olx_shading *s, uint32_t gr
   return true;
 }
 
+static bool is_counted(const olx_scene *scene, olx_direct_kinds kinds, uint32_t group) {
+  return kinds == OLX_DIRECT_ALL || olx_emitters_group_is_sky(scene, group) == (kinds == OLX_DIRECT_SKY);
+}
+
 olx_lobes olx_direct_light_sampled(const olx_scene *scene, const olx_shading *shading, olx_mis mis,
                                    olx_sampler *sampler, uint64_t *rays) {
   olx_lobes sum = {0};
   const uint32_t groups = olx_emitters_group_count(scene);
   for (uint32_t group = 0; group < groups; group++) {
+    if (!is_counted(scene, shading->kinds, group)) continue;
     olx_vec2 random = {0.5f, 0.5f};
     float pick = 0.5f;
     if (olx_emitters_group_varies(scene, group)) {
@@ -179,13 +184,15 @@ olx_lobe_ray olx_lobe_ray_either(const olx_shading *shading, float choice, olx_v
   return ray;
 }
 
-bool olx_emitters_can_be_hit(const olx_scene *scene) {
+static bool can_be_hit(const olx_scene *scene, olx_direct_kinds kinds) {
   const uint32_t groups = olx_emitters_group_count(scene);
   for (uint32_t group = 0; group < groups; group++) {
-    if (olx_emitters_group_varies(scene, group)) return true;
+    if (is_counted(scene, kinds, group) && olx_emitters_group_varies(scene, group)) return true;
   }
   return false;
 }
+
+bool olx_emitters_can_be_hit(const olx_scene *scene) { return can_be_hit(scene, OLX_DIRECT_ALL); }
 
 olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, olx_vec3 position,
                             const olx_lobe_ray *ray) {
@@ -209,27 +216,29 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray) {
 }
 
 // Returns the emission that a ray drawn from a lobe finds, weighted by multiple importance sampling.
-static olx_vec3 follow(const olx_scene *scene, const olx_surface *surface, const olx_lobe_ray *lobe, uint64_t *rays) {
+static olx_vec3 follow(const olx_scene *scene, const olx_shading *shading, const olx_lobe_ray *lobe, uint64_t *rays) {
   if (olx_max3(lobe->weight) <= 0.0f) return olx_splat(0.0f);
-  const olx_ray ray = olx_surface_ray(surface, lobe->direction, INFINITY);
+  const olx_ray ray = olx_surface_ray(shading->surface, lobe->direction, INFINITY);
   ++*rays;
   const olx_ray_hit hit = olx_bvh_intersect(scene->light_bvh, &ray);
-  if (hit.triangle == OLX_NO_HIT) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
+  const bool is_sky = hit.triangle == OLX_NO_HIT;
+  if (shading->kinds == (is_sky ? OLX_DIRECT_BUT_SKY : OLX_DIRECT_SKY)) return olx_splat(0.0f);
+  if (is_sky) return olx_mul(lobe->weight, olx_sky_found(scene, lobe));
   if (!olx_hit_emits(scene, &hit)) return olx_splat(0.0f);
   const olx_surface found = olx_surface_at(scene, &hit, lobe->direction);
-  return olx_mul(lobe->weight, olx_emission_found(scene, &found, surface->position, lobe));
+  return olx_mul(lobe->weight, olx_emission_found(scene, &found, shading->surface->position, lobe));
 }
 
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays) {
   olx_lobes sum = olx_direct_light_sampled(scene, shading, OLX_MIS_EACH_LOBE, sampler, rays);
-  if (!olx_emitters_can_be_hit(scene)) return sum;
+  if (!can_be_hit(scene, shading->kinds)) return sum;
   if (shading->has_diffuse) {
     const olx_lobe_ray ray = olx_lobe_ray_diffuse(shading, olx_sampler_next2(sampler));
-    sum.diffuse = olx_add(sum.diffuse, follow(scene, shading->surface, &ray, rays));
+    sum.diffuse = olx_add(sum.diffuse, follow(scene, shading, &ray, rays));
   }
   if (shading->has_specular) {
     const olx_lobe_ray ray = olx_lobe_ray_specular(shading, olx_sampler_next2(sampler));
-    sum.specular = olx_add(sum.specular, follow(scene, shading->surface, &ray, rays));
+    sum.specular = olx_add(sum.specular, follow(scene, shading, &ray, rays));
   }
   return sum;
 }
@@ -240,18 +249,19 @@ static olx_surface whiten(const olx_surface *surface) {
   return white;
 }
 
-olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
-                                   olx_sky_guide *sky, olx_sampler *sampler, uint64_t *rays) {
+olx_vec3 olx_direct_irradiance_of(const olx_scene *scene, const olx_surface *surface, const olx_direct_query *query,
+                                  olx_sampler *sampler, uint64_t *rays) {
   const olx_surface white = whiten(surface);
   olx_shading shading = olx_shading_make(&white, olx_negate(white.shading_normal));
-  shading.dark = dark;
-  shading.sky = sky;
+  shading.kinds = query->kinds;
+  shading.dark = query->dark;
+  shading.sky = query->sky;
   return olx_scale(olx_direct_light(scene, &shading, sampler, rays).diffuse, OLX_PI);
 }
 
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sky_guide *sky,
                                olx_sampler *sampler, uint64_t *rays) {
-  return olx_direct_irradiance_but(scene, surface, NULL, sky, sampler, rays);
+  return olx_direct_irradiance_of(scene, surface, &(olx_direct_query){.sky = sky}, sampler, rays);
 }
 
 static bool has_single_sun(const olx_scene *scene, uint32_t groups) {

@@ -8,6 +8,9 @@
 #include "scene/sampler.h"
 #include "scene/sky_guide.h"
 
+// Which emitters count.
+typedef enum olx_direct_kinds { OLX_DIRECT_ALL, OLX_DIRECT_BUT_SKY, OLX_DIRECT_SKY } olx_direct_kinds;
+
 // A surface prepared for shading from one direction.
 typedef struct olx_shading {
   const olx_surface *surface;
@@ -16,10 +19,11 @@ typedef struct olx_shading {
   olx_vec3 view;    // towards the viewer, in the frame
   olx_vec3 diffuse; // reflectance of the diffuse lobe for this view: outgoing radiance is this times irradiance / pi
   bool has_diffuse, has_specular;
-  float specular_share; // probability that a path which follows one lobe takes the specular one
-  const float *dark;    // metres: a light of the scene does not light the surface within its radius; NULL: all do
-  olx_sky_guide *sky;   // guides samples of the sky and learns from them; NULL: none does
-  float least_alpha;    // the specular lobe reflects delta samples with at least this alpha, unless it is a mirror
+  float specular_share;   // probability that a path which follows one lobe takes the specular one
+  const float *dark;      // metres: a light of the scene does not light the surface within its radius; NULL: all do
+  olx_sky_guide *sky;     // guides samples of the sky and learns from them; NULL: none does
+  float least_alpha;      // the specular lobe reflects delta samples with at least this alpha, unless it is a mirror
+  olx_direct_kinds kinds; // emitters whose direct light counts
 } olx_shading;
 
 // Prepares a surface for shading. `direction` is the unit direction of the ray that found the surface.
@@ -71,19 +75,24 @@ olx_vec3 olx_emission_found(const olx_scene *scene, const olx_surface *found, ol
                             const olx_lobe_ray *ray);
 olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 
-// Estimates all direct light: by light samples and by one ray per lobe.
+// Estimates the direct light of the emitters that count: by light samples and by one ray per lobe.
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
-// Returns the direct irradiance in W/m^2 from emitters and the sky, about surface->shading_normal, independent of the
-// material and the view: one light sample per group, and one ray. Lights leave surfaces within their radius of `dark`
-// (one per light of the scene, metres; may be NULL) unlit. `sky` guides samples of the sky and learns from them; it may
-// be NULL.
-olx_vec3 olx_direct_irradiance_but(const olx_scene *scene, const olx_surface *surface, const float *dark,
-                                   olx_sky_guide *sky, olx_sampler *sampler, uint64_t *rays);
+// Which direct light is asked for.
+typedef struct olx_direct_query {
+  olx_direct_kinds kinds;
+  const float *dark;  // as in olx_shading
+  olx_sky_guide *sky; // as in olx_shading
+} olx_direct_query;
+
+// Returns the direct irradiance in W/m^2 about surface->shading_normal, independent of the material and the view: one
+// light sample per group, and one ray.
+olx_vec3 olx_direct_irradiance_of(const olx_scene *scene, const olx_surface *surface, const olx_direct_query *query,
+                                  olx_sampler *sampler, uint64_t *rays);
 // Returns the direct irradiance in W/m^2 that suns bring, which is the same in every call. It is 0 where a scene has so
 // many suns that they share their samples (OLX_MAX_LIGHT_GROUPS).
 olx_vec3 olx_direct_irradiance_of_suns(const olx_scene *scene, const olx_surface *surface, uint64_t *rays);
-// Returns the direct irradiance of olx_direct_irradiance_but where every light reaches every surface.
+// Returns the direct irradiance of all emitters. `sky` may be NULL.
 olx_vec3 olx_direct_irradiance(const olx_scene *scene, const olx_surface *surface, olx_sky_guide *sky,
                                olx_sampler *sampler, uint64_t *rays);
 

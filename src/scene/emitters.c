@@ -460,6 +460,10 @@ float olx_emitters_area_pdf(const olx_scene *scene, uint32_t triangle) {
 
 bool olx_environment_lit(const olx_scene *scene) { return scene->emitters->environment.lit; }
 
+bool olx_environment_is_even(const olx_scene *scene) {
+  return scene->emitters->environment.lit && scene->emitters->environment.even;
+}
+
 olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction) {
   return olx_environment_lookup(&scene->environment, direction);
 }

@@ -51,9 +51,28 @@ static float texel_luminance(const olx_environment *e, int32_t x, int32_t y) {
   return olx_max(sum, 0.0f);
 }
 
+// The mean square of luminance over directions is at most this multiple of its squared mean in an even environment.
+static const double MOST_UNEVEN = 16.0;
+
+static bool is_even(const olx_environment *e) {
+  double weight = 0.0, light = 0.0, square = 0.0;
+  for (uint32_t y = 0; y < e->height; y++) {
+    const double angle = (double)texel_solid_angle(e, y);
+    for (uint32_t x = 0; x < e->width; x++) {
+      const double luminance = (double)texel_luminance(e, (int32_t)x, (int32_t)y);
+      weight += angle;
+      light += angle * luminance;
+      square += angle * luminance * luminance;
+    }
+  }
+  return square * weight <= MOST_UNEVEN * light * light;
+}
+
 olx_result olx_environment_sampler_create(const olx_environment *e, olx_environment_sampler *sampler) {
   *sampler = (olx_environment_sampler){.lit = olx_max3(e->radiance) > 0.0f};
+  sampler->even = sampler->lit;
   if (!e->texels || !sampler->lit) return OLX_OK;
+  sampler->even = is_even(e);
   const size_t stride = (size_t)e->width + 1;
   sampler->row_sums = olx_allocate((size_t)e->height + 1, sizeof(float));
   sampler->column_sums = olx_allocate(stride * e->height, sizeof(float));

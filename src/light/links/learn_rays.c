@@ -9,7 +9,8 @@
 typedef struct lesson {
   const olx_ray_guide *guide;
   const olx_light_surfels *surfels;
-  const olx_vec3 *direct, *irradiance;
+  const olx_surfel_direct *direct;
+  const olx_vec3 *irradiance;
   olx_guide_sums *sums; // one per pool
 } lesson;
 
@@ -34,7 +35,7 @@ static void add_batch(const lesson *l, const olx_link_batch *batch) {
 }
 
 olx_result olx_rays_learn(olx_ray_guide *guide, const olx_light_surfels *surfels, const olx_light_links *links,
-                          const olx_vec3 *direct, const olx_vec3 *irradiance) {
+                          const olx_surfel_direct *direct, const olx_vec3 *irradiance) {
   lesson l = {.guide = guide, .surfels = surfels, .direct = direct, .irradiance = irradiance};
   l.sums = olx_allocate_zero(guide->pool_count, sizeof *l.sums);
   if (!l.sums)

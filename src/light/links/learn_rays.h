@@ -7,6 +7,6 @@
 
 // Has each pool learn from the links of its surfels, for surfaces that carry `direct` + `irradiance`.
 olx_result olx_rays_learn(olx_ray_guide *guide, const olx_light_surfels *surfels, const olx_light_links *links,
-                          const olx_vec3 *direct, const olx_vec3 *irradiance);
+                          const olx_surfel_direct *direct, const olx_vec3 *irradiance);
 
 #endif

@@ -14,6 +14,7 @@ typedef struct bounce {
   const olx_light_links *links;
   const olx_link_batch *batch;
   olx_vec3 *kept[KEPT]; // light after n surfaces, at index n mod KEPT
+  const olx_vec3 *sky;  // direct light that links with OLX_LINK_LIT carry, or NULL
   uint32_t number, surfel_count;
   olx_vec3 *sum;
 } bounce;
@@ -29,8 +30,10 @@ static void add_links(void *user, uint32_t job) {
     for (uint32_t i = 0; i < b->batch->rays; i++) {
       const uint32_t chain = olx_link_chain(&links[i]);
       if (!olx_link_brings_light(&links[i]) || chain >= b->number) continue;
-      if (chain + 1 == b->number && links[i].end & OLX_LINK_LIT) continue;
-      const olx_vec3 light = b->kept[(b->number - 1 - chain) % KEPT][olx_link_end(&links[i])];
+      const bool is_part = chain + 1 == b->number && links[i].end & OLX_LINK_LIT;
+      if (is_part && !b->sky) continue;
+      const olx_vec3 *of = is_part ? b->sky : b->kept[(b->number - 1 - chain) % KEPT];
+      const olx_vec3 light = of[olx_link_end(&links[i])];
       sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(links[i].weight), light));
     }
     olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
@@ -90,15 +93,15 @@ static olx_result solve(bounce *b, uint32_t threads, uint32_t bounces, const olx
 }
 
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
-                             const olx_vec3 *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
+                             const olx_surfel_direct *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
                              olx_vec3 *irradiance, olx_vec3 *passed_on, uint32_t *done) {
   olx_vec3 *memory = olx_allocate_zero((size_t)KEPT * surfel_count, sizeof *memory);
   if (!memory) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for bounces of %u surfels", surfel_count);
   olx_bounce_state state = {0, surfel_count, memory, irradiance, passed_on};
-  bounce b = {.links = links, .surfel_count = surfel_count};
+  bounce b = {.links = links, .sky = direct->sky, .surfel_count = surfel_count};
   for (uint32_t i = 0; i < KEPT; i++) b.kept[i] = memory + (size_t)i * surfel_count;
   for (uint32_t i = 0; i < surfel_count; i++) {
-    b.kept[0][i] = direct[i];
+    b.kept[0][i] = direct->all[i];
     irradiance[i] = passed_on[i] = olx_splat(0.0f);
   }
   if (keeper) keeper->load(keeper->user, &state);
@@ -111,7 +114,8 @@ olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count
 typedef struct spread {
   const olx_light_links *links;
   const olx_link_batch *batch;
-  const olx_vec3 *direct, *irradiance;
+  const olx_surfel_direct *direct;
+  const olx_vec3 *irradiance;
   double *squares; // for each surfel, the sum of its luminances' squared deviations from the mean of their batch
   double *worths;  // and the sum over its rays of their squared worth
 } spread;
@@ -150,7 +154,7 @@ static float variance_of_mean(const spread *s, uint32_t i) {
 }
 
 olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
-                                const olx_vec3 *direct, const olx_vec3 *irradiance, float *variance) {
+                                const olx_surfel_direct *direct, const olx_vec3 *irradiance, float *variance) {
   spread s = {.links = links,
               .direct = direct,
               .irradiance = irradiance,

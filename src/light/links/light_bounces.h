@@ -35,12 +35,12 @@ typedef struct olx_bounce_keeper {
 // the light that surfaces reflect to others: direct light and all bounces but the last. *done receives the number of
 // bounces. `keeper` may be NULL.
 olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
-                             const olx_vec3 *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
+                             const olx_surfel_direct *direct, uint32_t bounces, const olx_bounce_keeper *keeper,
                              olx_vec3 *irradiance, olx_vec3 *passed_on, uint32_t *done);
 
 // Computes the variance of each surfel's mean over its rays, in luminance squared, for surfaces that carry `direct` +
 // `irradiance`.
 olx_result olx_bounces_variance(const olx_light_links *links, uint32_t surfel_count, uint32_t threads,
-                                const olx_vec3 *direct, const olx_vec3 *irradiance, float *variance);
+                                const olx_surfel_direct *direct, const olx_vec3 *irradiance, float *variance);
 
 #endif

@@ -12,7 +12,8 @@ enum {
   OLX_LINK_CHAIN_MASK = 3
 };
 
-// Flag in `end`: the ray itself found the direct light at its end, and the link does not carry it.
+// Flag in `end`: the ray itself found the direct light at its end but for that of an even sky, and the link does not
+// carry it.
 #define OLX_LINK_LIT (1u << 31)
 
 #define OLX_LINK_NOWHERE                                                                                               \
@@ -32,6 +33,16 @@ static inline uint32_t olx_link_chain(const olx_link *link) {
 }
 // Returns whether the link ends at a surfel.
 static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
+
+// The direct irradiance of surfels in W/m^2: all of it, and that of an even sky, which rays do not find themselves.
+typedef struct olx_surfel_direct {
+  const olx_vec3 *all, *sky; // sky is NULL where rays find all direct light themselves
+} olx_surfel_direct;
+
+// Returns the direct light that a link with OLX_LINK_LIT does not carry.
+static inline olx_vec3 olx_direct_of_rays(const olx_surfel_direct *direct, uint32_t surfel) {
+  return direct->sky ? olx_sub(direct->all[surfel], direct->sky[surfel]) : direct->all[surfel];
+}
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
 // emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They

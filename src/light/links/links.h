@@ -60,10 +60,12 @@ static inline float olx_link_worth(const olx_link_batch *batch, uint32_t surfel)
 
 // Returns the light that a link brings when surfaces carry `direct` + `irradiance`, in W/m^2 times the weight of its
 // ray.
-static inline olx_vec3 olx_link_light(const olx_link *link, const olx_vec3 *direct, const olx_vec3 *irradiance) {
+static inline olx_vec3 olx_link_light(const olx_link *link, const olx_surfel_direct *direct,
+                                      const olx_vec3 *irradiance) {
   if (!olx_link_brings_light(link)) return olx_splat(0.0f);
   const uint32_t end = olx_link_end(link);
-  const olx_vec3 light = link->end & OLX_LINK_LIT ? irradiance[end] : olx_add(direct[end], irradiance[end]);
+  olx_vec3 light = olx_add(direct->all[end], irradiance[end]);
+  if (link->end & OLX_LINK_LIT) light = olx_sub(light, olx_direct_of_rays(direct, end));
   return olx_mul(olx_rgb9e5_unpack(link->weight), light);
 }
 

@@ -111,8 +111,22 @@ static void add_lamps(const olx_ray_caster *c, const way *w, const olx_surface *
   add_light(end, w->chain + 1, olx_mul(w->throughput, light));
 }
 
+// Where the sky is even, rays do not sample it. Surfels bring its light to the ends of rays, and rays that are passed on
+// meet it: through a small window, samples of the whole sky would rarely find it.
+static olx_direct_kinds sampled_kinds(const olx_ray_caster *c) {
+  return c->surfels->even_sky ? OLX_DIRECT_BUT_SKY : OLX_DIRECT_ALL;
+}
+
+// Returns the radiance of the sky that a ray meets behind its last surface.
+static olx_vec3 sky_met(const olx_ray_caster *c, const way *w) {
+  const olx_scene *scene = c->surfels->scene;
+  if (c->surfels->even_sky) return olx_environment_radiance(scene, w->lobe.direction);
+  return w->lit ? olx_splat(0.0f) : olx_sky_found(scene, &w->lobe);
+}
+
 static olx_vec3 direct_irradiance(const olx_ray_caster *c, way *w, const olx_surface *surface, uint64_t *rays) {
-  return olx_direct_irradiance_but(c->surfels->scene, surface, dark_of(c, w), NULL, &w->sampler, rays);
+  const olx_direct_query query = {.kinds = sampled_kinds(c), .dark = dark_of(c, w)};
+  return olx_direct_irradiance_of(c->surfels->scene, surface, &query, &w->sampler, rays);
 }
 
 // Adds the emission that the specular lobe, chosen with probability `share`, reflects, and continues the path; returns
@@ -138,7 +152,7 @@ static bool pass_specular(const olx_ray_caster *c, way *w, const olx_shading *sh
 }
 
 // Adds the direct light of a surface that no surfel serves, times `weight` over pi, and continues with a ray for the
-// indirect light.
+// indirect light, which also meets an even sky.
 static bool pass_diffuse(const olx_ray_caster *c, way *w, const olx_surface *surface, olx_vec3 weight, olx_ray_end *end,
                          uint64_t *rays) {
   end->needs |= lights_needed | UINT64_C(1) << OLX_INPUT_SURFELS;
@@ -181,7 +195,7 @@ static void follow(const olx_ray_caster *c, way *w, olx_ray_end *end, uint64_t *
     if (w->hit.triangle == OLX_NO_HIT) {
       if (w->chain == 0) return;
       end->needs |= lights_needed;
-      if (!w->lit) add_light(end, w->chain, olx_mul(w->throughput, olx_sky_found(scene, &w->lobe)));
+      add_light(end, w->chain, olx_mul(w->throughput, sky_met(c, w)));
       return;
     }
     const olx_surface surface = olx_surface_at(scene, &w->hit, w->lobe.direction);
@@ -193,6 +207,7 @@ static void follow(const olx_ray_caster *c, way *w, olx_ray_end *end, uint64_t *
     add_lamps(c, w, &surface, end, rays);
     olx_shading shading = olx_shading_make(&surface, w->lobe.direction);
     shading.dark = dark_of(c, w);
+    shading.kinds = sampled_kinds(c);
     shading.least_alpha = OLX_LEAST_LAMP_ALPHA;
     const bool last = w->chain + 1 == OLX_CHAIN_MOST;
     const float share = shading.has_specular && !last ? shading.specular_share : 0.0f;
@@ -279,7 +294,8 @@ olx_vec3 olx_ray_end_light(const olx_ray_end *end, float factor, float near_fact
   for (uint32_t k = 0; k < OLX_CHAIN_MOST && k < light->bounces; k++) sum = olx_madd(sum, end->fixed[k], OLX_PI);
   if (olx_link_brings_light(&end->link)) {
     const uint32_t at = olx_link_end(&end->link);
-    const olx_vec3 passed = end->link.end & OLX_LINK_LIT ? olx_sub(light->all[at], light->direct[at]) : light->all[at];
+    olx_vec3 passed = light->all[at];
+    if (end->link.end & OLX_LINK_LIT) passed = olx_sub(passed, olx_direct_of_rays(&light->direct, at));
     sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
   }
   return olx_madd(olx_scale(sum, factor), near, near_factor * OLX_PI);

@@ -62,7 +62,8 @@ void olx_ray_ends_cast(const olx_ray_caster *caster, const olx_surface *surface,
 // The light that surfels pass on: direct irradiance, and with it indirect irradiance of all bounces but the last of
 // `bounces`.
 typedef struct olx_passed_light {
-  const olx_vec3 *direct, *all;
+  olx_surfel_direct direct;
+  const olx_vec3 *all;
   uint32_t bounces;
 } olx_passed_light;
 

@@ -11,12 +11,13 @@ enum { SURFELS_PER_JOB = 4 };
 // Makes the sums of visible surfels, and fills them with what links brought.
 static olx_result begin(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
+  const olx_surfel_direct direct = olx_light_direct(l);
   float *variance = olx_allocate(count, sizeof *variance);
   l->gathered = olx_allocate(l->visible, sizeof *l->gathered);
   l->final_rays = olx_allocate(l->visible, sizeof *l->final_rays);
   olx_result result =
       variance && l->gathered && l->final_rays
-          ? olx_bounces_variance(&l->links, count, l->settings.threads, l->direct, l->irradiance, variance)
+          ? olx_bounces_variance(&l->links, count, l->settings.threads, &direct, l->irradiance, variance)
           : olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
   for (uint32_t i = 0; result == OLX_OK && i < l->visible; i++) {
     const float worth = l->links.worth[i];
@@ -83,7 +84,7 @@ typedef struct final_job {
 static void gather_some(void *user, uint32_t job) {
   const final_job *f = user;
   olx_scene_light *l = f->light;
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  const olx_passed_light light = {olx_light_direct(l), l->passed_on, l->settings.bounces};
   const uint32_t first = f->first + job * SURFELS_PER_JOB;
   const uint32_t end = first + SURFELS_PER_JOB < f->end ? first + SURFELS_PER_JOB : f->end;
   const uint32_t first_ray = (OLX_LIGHT_REFINEMENTS + l->gathering + 1) * OLX_LIGHT_MOST_RAYS;

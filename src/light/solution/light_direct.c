@@ -22,6 +22,7 @@ enum {
   FOUND_EASILY = 4, // nothing more is learnt where there are more finds than samples over this
   UNIT_SURFELS = 1 << 15,
   SALT_DIRECT = 0x44495245,
+  SALT_LAMPS = 0x4C4D5053,
   SALT_LESSON = 0x4C45534E
 };
 
@@ -47,17 +48,26 @@ typedef struct direct_job {
 
 // What the points of a cell receive.
 typedef struct cell_sum {
-  olx_vec3 light;
-  float least, most; // of the luminance that suns bring
+  olx_vec3 lamps, sky; // from lamps and emitting surfaces, and from the sky
+  float least, most;   // of the luminance that suns bring
 } cell_sum;
+
+// Returns a sample of the irradiance that the sky brings to a surface.
+static olx_vec3 sky_light(const olx_light_surfels *s, const olx_surface *surface, const olx_sampler *sampler,
+                          olx_sky_guide *sky, uint64_t *rays) {
+  olx_sampler guided = olx_sky_guide_sampler(sky, sampler);
+  const olx_direct_query query = {.kinds = OLX_DIRECT_SKY, .sky = sky};
+  return olx_direct_irradiance_of(s->scene, surface, &query, &guided, rays);
+}
 
 static void add_point(const olx_light_surfels *s, const olx_light_surfel *surfel, const olx_surfel_point *point,
                       uint32_t k, olx_sky_guide *sky, cell_sum *sum, uint64_t *rays) {
   const uint32_t seed = olx_hash3(s->seed ^ (uint32_t)surfel->cell, (uint32_t)(surfel->cell >> 32), SALT_DIRECT);
   const olx_surface surface = olx_surfel_point_surface(s->scene, point);
-  olx_sampler sampler = olx_sky_guide_sampler(sky, &(olx_sampler){.seed = seed, .index = k});
-  const olx_vec3 light = olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, sky, &sampler, rays);
-  sum->light = olx_add(sum->light, light);
+  olx_sampler sampler = {.seed = olx_hash2(seed, SALT_LAMPS), .index = k};
+  const olx_direct_query of_lamps = {.kinds = OLX_DIRECT_BUT_SKY, .dark = s->lamps.radius};
+  sum->lamps = olx_add(sum->lamps, olx_direct_irradiance_of(s->scene, &surface, &of_lamps, &sampler, rays));
+  sum->sky = olx_add(sum->sky, sky_light(s, &surface, &(olx_sampler){.seed = seed, .index = k}, sky, rays));
   const float sun = olx_luminance(olx_direct_irradiance_of_suns(s->scene, &surface, rays));
   sum->least = olx_min(sum->least, sun);
   sum->most = olx_max(sum->most, sun);
@@ -84,8 +94,9 @@ static olx_surfel_lit light_cell(const direct_job *d, const olx_light_surfel *su
       passed += olx_surfel_point_area(&points[i++]);
     add_point(s, surfel, &points[i], k, sky, &sum, rays);
   }
-  const olx_vec3 mean = olx_scale(sum.light, 1.0f / (float)d->points);
-  return (olx_surfel_lit){mean, reach_of(&sum, olx_luminance(mean))};
+  const olx_vec3 lamps = olx_scale(sum.lamps, 1.0f / (float)d->points),
+                 from_sky = olx_scale(sum.sky, 1.0f / (float)d->points), all = olx_add(lamps, from_sky);
+  return (olx_surfel_lit){all, from_sky, reach_of(&sum, olx_luminance(all))};
 }
 
 // Learns where surfels see the sky, from samples at points that are spread over them, until these find it easily.
@@ -100,8 +111,7 @@ static void learn_sky(const olx_light_surfels *s, const uint32_t *surfels, uint3
       const olx_light_surfel *surfel = &s->surfels[surfels[(uint32_t)(at.x * (float)count)]];
       const uint32_t point = surfel->first_point + (uint32_t)(at.y * (float)surfel->point_count);
       const olx_surface surface = olx_surfel_point_surface(s->scene, &s->points[point]);
-      olx_sampler sampler = olx_sky_guide_sampler(sky, &(olx_sampler){.seed = seed, .index = k});
-      (void)olx_direct_irradiance_but(s->scene, &surface, s->lamps.radius, sky, &sampler, rays);
+      (void)sky_light(s, &surface, &(olx_sampler){.seed = seed, .index = k}, sky, rays);
     }
     if (sky->found == before || FOUND_EASILY * (sky->found - before) > samples) return;
     olx_sky_guide_next(sky, 1u << 2 * lesson);

@@ -34,7 +34,7 @@ olx_vec3 olx_light_gather(const olx_scene_light *l, const olx_surface *surface, 
   const olx_ray_pool *pool = near == OLX_CELL_NONE ? NULL : olx_light_pool(l, near);
   const float around = near == OLX_CELL_NONE ? INFINITY : olx_luminance(l->irradiance[near]);
   const float most = MOST_OF_A_RAY * (float)batches;
-  const olx_passed_light light = {l->direct, l->passed_on, l->settings.bounces};
+  const olx_passed_light light = {olx_light_direct(l), l->passed_on, l->settings.bounces};
   olx_vec3 sum = {0};
   for (uint32_t i = 0; i < batches; i++) {
     const uint32_t own = i ? olx_hash2(seed, i) : seed;

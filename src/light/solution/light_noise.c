@@ -47,7 +47,8 @@ static olx_result smooth_noise(const olx_scene_light *l, float *variance, float 
 // Finds the variance of each surfel's irradiance, in luminance squared.
 static olx_result find_variance(const olx_scene_light *l, float *variance) {
   if (!l->gathered) {
-    return olx_bounces_variance(&l->links, l->surfels.count, l->settings.threads, l->direct, l->irradiance, variance);
+    const olx_surfel_direct direct = olx_light_direct(l);
+    return olx_bounces_variance(&l->links, l->surfels.count, l->settings.threads, &direct, l->irradiance, variance);
   }
   for (uint32_t i = 0; i < l->visible; i++) variance[i] = l->gathered[i].squares / olx_square(l->gathered[i].worth);
   return OLX_OK;

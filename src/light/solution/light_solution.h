@@ -48,8 +48,8 @@ enum { OLX_SUN_MISSES = 1, OLX_SUN_REACHES = 2, OLX_SUN_UNEVEN = OLX_SUN_MISSES 
 
 // The direct light of a surfel.
 typedef struct olx_surfel_lit {
-  olx_vec3 light; // W/m^2
-  uint32_t sun;   // OLX_SUN_MISSES and OLX_SUN_REACHES
+  olx_vec3 light, sky; // W/m^2: all, and the part that comes from the sky
+  uint32_t sun;        // OLX_SUN_MISSES and OLX_SUN_REACHES
 } olx_surfel_lit;
 
 struct olx_scene_light {
@@ -70,6 +70,7 @@ struct olx_scene_light {
   olx_light_links links;
   olx_ray_guide guide;
   olx_vec3 *direct, *irradiance; // per surfel
+  olx_vec3 *sky;                 // per surfel, the part of `direct` that an even sky brings; NULL: there is none
   olx_surfel_lit *lit;           // per surfel, while direct light is found
   olx_vec3 *passed_on;           // direct light and all bounces but the last, which surfels reflect to others
   float *noise;                  // per surfel
@@ -85,6 +86,10 @@ struct olx_scene_light {
   olx_scene_light_report report;
   atomic_uint_fast64_t reused_rays; // rays that were not cast, because they were for another scene and still hold
 };
+
+static inline olx_surfel_direct olx_light_direct(const olx_scene_light *l) {
+  return (olx_surfel_direct){l->direct, l->sky};
+}
 
 static inline const olx_ray_pool *olx_light_pool(const olx_scene_light *l, uint32_t surfel) {
   return &l->guide.pools[l->guide.pool_of[surfel]];

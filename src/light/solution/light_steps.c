@@ -194,8 +194,9 @@ static olx_result solve(olx_scene_light *l, uint32_t bounces) {
   const uint32_t asked = l->settings.bounces;
   count_rays(l);
   olx_light_checkpoint checkpoint;
+  const olx_surfel_direct direct = olx_light_direct(l);
   const olx_bounce_keeper keeper = olx_light_checkpoint_begin(&checkpoint, l, bounces > FEW_BOUNCES);
-  OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, l->direct,
+  OLX_TRY(olx_bounces_solve(&l->links, l->surfels.count, l->settings.threads, &direct,
                             bounces < asked ? bounces : asked, l->settings.store ? &keeper : NULL, l->irradiance,
                             l->passed_on, &l->report.bounces));
   l->report.last_bounce = last_bounce(l);
@@ -235,7 +236,8 @@ static olx_result add_guided_batches(olx_scene_light *l, uint32_t round) {
 }
 
 static olx_result learn(olx_scene_light *l) {
-  OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, l->direct, l->irradiance));
+  const olx_surfel_direct direct = olx_light_direct(l);
+  OLX_TRY(olx_rays_learn(&l->guide, &l->surfels, &l->links, &direct, l->irradiance));
   for (uint32_t k = 0; k < l->links.batch_count; k++) {
     olx_link_batch_release_fixed(&l->batches[k]);
   }
@@ -312,8 +314,13 @@ static olx_result find_uneven(olx_scene_light *l) {
 static olx_result take_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
   l->direct = olx_allocate(count, sizeof *l->direct);
-  if (!l->direct) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
-  for (uint32_t i = 0; i < count; i++) l->direct[i] = l->lit[i].light;
+  if (l->surfels.even_sky) l->sky = olx_allocate(count, sizeof *l->sky);
+  if (!l->direct || (l->surfels.even_sky && !l->sky))
+    return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+  for (uint32_t i = 0; i < count; i++) {
+    l->direct[i] = l->lit[i].light;
+    if (l->sky) l->sky[i] = l->lit[i].sky;
+  }
   OLX_TRY(find_uneven(l));
   olx_release(l->lit);
   l->lit = NULL;
@@ -381,6 +388,7 @@ void olx_scene_light_clear(olx_scene_light *l) {
   olx_release(l->links.fixed);
   olx_release(l->links.worth);
   olx_release(l->direct);
+  olx_release(l->sky);
   olx_release(l->lit);
   olx_release(l->irradiance);
   olx_release(l->passed_on);

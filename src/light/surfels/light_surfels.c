@@ -62,6 +62,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
                            .seed = seed,
                            .spacing = spacing,
                            .threads = threads};
+  s->even_sky = olx_environment_is_even(scene);
   OLX_TRY(olx_lamp_light_create(&s->lamps, scene, scene->lights, scene->light_count));
   return olx_cell_table_create(&s->table, 1024);
 }

@@ -47,6 +47,7 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
+  bool even_sky;        // rays do not sample the sky: surfels bring its light to their ends
   bool *uneven;         // for each surfel, whether the sun reaches its cell, or cells near it, in part; NULL: not known
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED

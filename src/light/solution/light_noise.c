@@ -8,6 +8,10 @@
 static const float INTERPOLATED_VARIANCE = 0.2f;
 // Noise is measured relative to the light of a place, or to this share of the mean light where the place is darker.
 static const float DARK_SHARE = 0.002f;
+// Surfels learn from those of the cell this many levels above their own how uneven light may be.
+enum { WIDE_LEVELS = OLX_POOL_LEVELS + 3 };
+// A pool knows the variance of its rays where they should have met what brings it about this often.
+static const double ENOUGH_HITS = 8.0;
 // Further rays are cast only where they are at least this share of the first rays.
 static const float ENOUGH_RAYS = 0.25f;
 
@@ -17,31 +21,69 @@ static float mean_luminance(const olx_vec3 *light, uint32_t count) {
   return count ? (float)(sum / count) : 0.0f;
 }
 
-// Sums of light and variance over the surfels of a pool.
+// Returns the number of rays of even density to which a surfel's rays amount.
+static float worth_of(const olx_scene_light *l, uint32_t surfel) {
+  return l->gathered ? l->gathered[surfel].worth : l->links.worth[surfel];
+}
+
+// Sums over the visible surfels of a pool.
 typedef struct noise_sum {
-  double light, variance;
+  double light, variance;           // variance: of a surfel's mean
+  double squares, deviations, rays; // of light, and of rays from it; rays of even density
   uint32_t count;
 } noise_sum;
 
-// Averages the variance with surfels of the same size nearby, which see about the same: the few first rays of a surfel
-// may all miss a small bright source and then seem to agree. (Hidden surfels never get more than their first rays.)
-static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
-  const uint32_t count = l->surfels.count;
-  noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums);
-  if (!sums) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
+static void add_up(const olx_scene_light *l, const float *variance, const uint32_t *pool_of, noise_sum *sums) {
   for (uint32_t i = 0; i < l->visible; i++) {
-    noise_sum *sum = &sums[l->guide.pool_of[i]];
-    sum->light += (double)olx_luminance(l->irradiance[i]);
+    noise_sum *sum = &sums[pool_of[i]];
+    const double light = (double)olx_luminance(l->irradiance[i]), rays = (double)worth_of(l, i);
+    sum->light += light;
     sum->variance += (double)variance[i];
+    sum->squares += light * light;
+    sum->deviations += (double)variance[i] * rays;
+    sum->rays += rays;
     sum->count++;
   }
+}
+
+// Returns the variance of a ray, over the squared light, that the rays of a pool may have missed: those of a wider pool
+// have met brighter places. The fewer rays a pool has for this variance, the more it may be. Without it, surfels that
+// missed a small bright place would seem certain and get no further rays, and light would be too dark.
+static double missed(const noise_sum *pool, const noise_sum *wide) {
+  const double spread = wide->squares > 0.0 ? wide->deviations / wide->squares : 0.0;
+  return spread * fmin(1.0, ENOUGH_HITS * spread / pool->rays);
+}
+
+// Averages the variance with surfels of the same size nearby, which see about the same: the few first rays of a surfel
+// may all miss a small bright source and then seem to agree. (Hidden surfels never get more than their first rays.)
+static void smooth(const olx_scene_light *l, const noise_sum *sums, const noise_sum *wide, const uint32_t *wide_of,
+                   float *variance, float *light) {
   for (uint32_t i = 0; i < l->visible; i++) {
     const noise_sum *sum = &sums[l->guide.pool_of[i]];
-    light[i] = (float)(sum->light / sum->count);
-    variance[i] = (float)(sum->variance / sum->count);
+    const double mean = sum->light / sum->count;
+    light[i] = (float)mean;
+    variance[i] =
+        (float)(sum->variance / sum->count + missed(sum, &wide[wide_of[i]]) * mean * mean / (double)worth_of(l, i));
+  }
+}
+
+static olx_result smooth_noise(const olx_scene_light *l, float *variance, float *light) {
+  uint32_t *wide_of = olx_allocate(l->surfels.count, sizeof *wide_of), wide_count = 0;
+  if (!wide_of) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+  olx_result result = olx_pool_surfels(&l->surfels, WIDE_LEVELS, wide_of, &wide_count);
+  noise_sum *sums = olx_allocate_zero(l->guide.pool_count, sizeof *sums),
+            *wide = olx_allocate_zero(wide_count, sizeof *wide);
+  if (result == OLX_OK && (!sums || !wide))
+    result = olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", l->surfels.count);
+  if (result == OLX_OK) {
+    add_up(l, variance, l->guide.pool_of, sums);
+    add_up(l, variance, wide_of, wide);
+    smooth(l, sums, wide, wide_of, variance, light);
   }
   olx_release(sums);
-  return OLX_OK;
+  olx_release(wide);
+  olx_release(wide_of);
+  return result;
 }
 
 // Finds the variance of each surfel's irradiance, in luminance squared.
@@ -74,11 +116,6 @@ olx_result olx_light_noise_measure(olx_scene_light *l) {
   if (result == OLX_OK) l->report.noise = sqrt(relate(l, light, l->noise));
   olx_release(light);
   return result;
-}
-
-// Returns the number of rays of even density to which a surfel's rays amount.
-static float worth_of(const olx_scene_light *l, uint32_t surfel) {
-  return l->gathered ? l->gathered[surfel].worth : l->links.worth[surfel];
 }
 
 float olx_scene_light_deviation(const olx_scene_light *l, uint32_t surfel) {

@@ -95,6 +95,29 @@ static void light_of_a_few_bounces_is_a_sum_over_paths(void **state) {
   assert_true(r.passed_on[0].x == 4.0f);
 }
 
+// Surfel 0 has 4 W/m^2 of direct light, 1 of them from the sky. What a ray found itself, its link does not carry.
+static void a_link_carries_the_direct_light_that_its_ray_did_not_find(void **state) {
+  (void)state;
+  const olx_vec3 sky[SURFELS] = {{1.0f, 1.0f, 1.0f}};
+  const struct {
+    uint32_t flags;
+    const olx_vec3 *sky;
+    float carried;
+  } cases[] = {{0, sky, 4.0f},
+               {OLX_LINK_LIT, sky, 1.0f},
+               {OLX_LINK_LIT | OLX_LINK_SKY_LIT, sky, 0.0f},
+               {OLX_LINK_LIT | OLX_LINK_SKY_LIT, NULL, 0.0f}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    ring r;
+    uint32_t done;
+    make_ring(&r);
+    r.links[2].end |= cases[i].flags; // from surfel 1 to surfel 0, with a weight of 0.5, one of two rays
+    const olx_surfel_direct direct = {r.direct, cases[i].sky};
+    assert_int_equal(olx_bounces_solve(&r.all, SURFELS, 1, &direct, 1, NULL, r.irradiance, r.passed_on, &done), OLX_OK);
+    assert_true(r.irradiance[1].x == cases[i].carried * 0.25f);
+  }
+}
+
 static void solving_goes_on_after_any_bounce(void **state) {
   (void)state;
   ring whole, parted;
@@ -119,6 +142,7 @@ static void solving_goes_on_after_any_bounce(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(light_of_a_few_bounces_is_a_sum_over_paths),
+      cmocka_unit_test(a_link_carries_the_direct_light_that_its_ray_did_not_find),
       cmocka_unit_test(solving_goes_on_after_any_bounce),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,8 +10,8 @@
 // The light of a point grows without bound towards the point. Close to a surface, where rays find its light easily,
 // they therefore bring a part of it, and points the rest: nothing is lost (Kollig and Keller, Illumination in the
 // Presence of Weak Singularities, MCQMC 2004). Both parts count by the balance heuristic there, so that rays bring
-// little where the lit spot is small. Bakes and renderers find the surfaces by triangles, and relighting by the field,
-// which has no such rays.
+// little where the lit spot is small. Bakes and renderers find the surfaces by triangles. Relighting finds them by the
+// field, and casts no such rays.
 #ifndef OLX_FIELD_NEAR_LAMPS_H
 #define OLX_FIELD_NEAR_LAMPS_H
 

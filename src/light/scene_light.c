@@ -29,7 +29,7 @@ static olx_result build(olx_scene_light *l) {
   l->report.surfels = l->surfels.count;
   l->report.rays += l->surfels.rays;
   l->report.bytes = l->report.links * sizeof(olx_link) +
-                    l->surfels.count * (sizeof(olx_light_surfel) + 3 * sizeof(olx_vec3)) +
+                    l->surfels.count * (sizeof(olx_light_surfel) + 4 * sizeof(olx_vec3)) +
                     l->surfels.point_count * sizeof(olx_surfel_point);
   l->report.seconds = olx_seconds() - start;
   return OLX_OK;

@@ -78,7 +78,7 @@ olx_vec3 olx_sky_found(const olx_scene *scene, const olx_lobe_ray *ray);
 // Estimates the direct light of the emitters that count: by light samples and by one ray per lobe.
 olx_lobes olx_direct_light(const olx_scene *scene, const olx_shading *shading, olx_sampler *sampler, uint64_t *rays);
 
-// Which direct light is asked for.
+// Which direct light a caller wants.
 typedef struct olx_direct_query {
   olx_direct_kinds kinds;
   const float *dark;  // as in olx_shading

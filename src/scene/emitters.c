@@ -464,6 +464,8 @@ bool olx_environment_is_even(const olx_scene *scene) {
   return scene->emitters->environment.lit && scene->emitters->environment.even;
 }
 
+float olx_environment_mean(const olx_scene *scene) { return scene->emitters->environment.mean; }
+
 olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction) {
   return olx_environment_lookup(&scene->environment, direction);
 }

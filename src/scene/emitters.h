@@ -55,6 +55,8 @@ olx_vec2 olx_environment_random(const olx_scene *scene, olx_vec3 direction);
 bool olx_environment_lit(const olx_scene *scene);
 // Returns whether the environment is lit, and so evenly that rays find its light well without sampling it.
 bool olx_environment_is_even(const olx_scene *scene);
+// Returns the luminance of the environment's radiance, as a mean over all directions.
+float olx_environment_mean(const olx_scene *scene);
 olx_vec3 olx_environment_radiance(const olx_scene *scene, olx_vec3 direction);
 float olx_environment_pdf(const olx_scene *scene, olx_vec3 direction);
 

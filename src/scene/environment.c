@@ -54,7 +54,7 @@ static float texel_luminance(const olx_environment *e, int32_t x, int32_t y) {
 // The mean square of luminance over directions is at most this multiple of its squared mean in an even environment.
 static const double MOST_UNEVEN = 16.0;
 
-static bool is_even(const olx_environment *e) {
+static void measure(const olx_environment *e, olx_environment_sampler *sampler) {
   double weight = 0.0, light = 0.0, square = 0.0;
   for (uint32_t y = 0; y < e->height; y++) {
     const double angle = (double)texel_solid_angle(e, y);
@@ -65,14 +65,16 @@ static bool is_even(const olx_environment *e) {
       square += angle * luminance * luminance;
     }
   }
-  return square * weight <= MOST_UNEVEN * light * light;
+  sampler->mean = (float)(light / weight);
+  sampler->even = square * weight <= MOST_UNEVEN * light * light;
 }
 
 olx_result olx_environment_sampler_create(const olx_environment *e, olx_environment_sampler *sampler) {
   *sampler = (olx_environment_sampler){.lit = olx_max3(e->radiance) > 0.0f};
   sampler->even = sampler->lit;
+  sampler->mean = olx_luminance(e->radiance);
   if (!e->texels || !sampler->lit) return OLX_OK;
-  sampler->even = is_even(e);
+  measure(e, sampler);
   const size_t stride = (size_t)e->width + 1;
   sampler->row_sums = olx_allocate((size_t)e->height + 1, sizeof(float));
   sampler->column_sums = olx_allocate(stride * e->height, sizeof(float));

@@ -7,6 +7,7 @@
 // Cumulative sums for sampling texels of the environment's image; empty without an image, where directions are uniform.
 typedef struct olx_environment_sampler {
   bool lit;
+  float mean;         // luminance of radiance over all directions
   bool even;          // light comes from a large part of all directions, not from a few small places such as a sun
   float *row_sums;    // height + 1
   float *column_sums; // width + 1 per row

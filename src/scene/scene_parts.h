@@ -30,7 +30,7 @@ enum {
   OLX_INPUT_LIGHTS = OLX_INPUT_SLOTS - 1,
   OLX_INPUT_SURFELS = OLX_INPUT_SLOTS - 2,
   OLX_INPUT_NEAR_LAMPS = OLX_INPUT_SLOTS - 3,
-  OLX_INPUT_MATERIALS = OLX_INPUT_SLOTS - 3 // number of slots of materials, which are the first
+  OLX_INPUT_MATERIALS = OLX_INPUT_NEAR_LAMPS // number of slots of materials, which are the first
 };
 
 typedef struct olx_scene_inputs {

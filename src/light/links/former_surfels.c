@@ -14,7 +14,7 @@ typedef struct surfel_numbers {
   float side, nearest;
   uint32_t next, triangle, back_face;
   float u, v;
-  uint32_t uneven; // olx_surfel_is_uneven
+  uint32_t marks;
 } surfel_numbers;
 
 _Static_assert(sizeof(surfel_numbers) == 64, "no padding that the hash would see");
@@ -31,7 +31,7 @@ static surfel_numbers numbers_of(const olx_light_surfels *s, uint32_t surfel) {
                           .back_face = f->point.back_face,
                           .u = f->point.u,
                           .v = f->point.v,
-                          .uneven = olx_surfel_is_uneven(s, surfel)};
+                          .marks = olx_surfel_marks(s, surfel)};
 }
 
 uint64_t olx_surfels_hash(const olx_light_surfels *s) {
@@ -97,11 +97,11 @@ static bool casts_same(const surfel_numbers *a, const surfel_numbers *b) {
          memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
-// Returns whether two surfels cast the same rays, see the same surfaces close to them, and are uneven alike, so that
+// Returns whether two surfels cast the same rays, see the same surfaces close to them, and have the same marks, so that
 // the same rays that end at them find direct light themselves.
 static bool is_same(const surfel_pair *p, uint32_t before, uint32_t now) {
   const surfel_numbers a = p->before[before], b = numbers_of(p->now, now);
-  return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest && a.uneven == b.uneven;
+  return casts_same(&a, &b) && a.side == b.side && a.nearest == b.nearest && a.marks == b.marks;
 }
 
 // Returns the earlier surfel after another of its cell; OLX_CELL_NONE after the last one.

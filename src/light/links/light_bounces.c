@@ -14,7 +14,7 @@ typedef struct bounce {
   const olx_light_links *links;
   const olx_link_batch *batch;
   olx_vec3 *kept[KEPT]; // light after n surfaces, at index n mod KEPT
-  const olx_vec3 *sky;  // direct light that links with OLX_LINK_LIT carry, or NULL
+  const olx_surfel_direct *direct;
   uint32_t number, surfel_count;
   olx_vec3 *sum;
 } bounce;
@@ -30,10 +30,8 @@ static void add_links(void *user, uint32_t job) {
     for (uint32_t i = 0; i < b->batch->rays; i++) {
       const uint32_t chain = olx_link_chain(&links[i]);
       if (!olx_link_brings_light(&links[i]) || chain >= b->number) continue;
-      const bool is_part = chain + 1 == b->number && links[i].end & OLX_LINK_LIT;
-      if (is_part && !b->sky) continue;
-      const olx_vec3 *of = is_part ? b->sky : b->kept[(b->number - 1 - chain) % KEPT];
-      const olx_vec3 light = of[olx_link_end(&links[i])];
+      const olx_vec3 light = chain + 1 == b->number ? olx_direct_of_link(&links[i], b->direct)
+                                                    : b->kept[(b->number - 1 - chain) % KEPT][olx_link_end(&links[i])];
       sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(links[i].weight), light));
     }
     olx_vec3 *const to = &b->sum[olx_link_surfel(b->batch, n)];
@@ -98,7 +96,7 @@ olx_result olx_bounces_solve(const olx_light_links *links, uint32_t surfel_count
   olx_vec3 *memory = olx_allocate_zero((size_t)KEPT * surfel_count, sizeof *memory);
   if (!memory) return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for bounces of %u surfels", surfel_count);
   olx_bounce_state state = {0, surfel_count, memory, irradiance, passed_on};
-  bounce b = {.links = links, .sky = direct->sky, .surfel_count = surfel_count};
+  bounce b = {.links = links, .direct = direct, .surfel_count = surfel_count};
   for (uint32_t i = 0; i < KEPT; i++) b.kept[i] = memory + (size_t)i * surfel_count;
   for (uint32_t i = 0; i < surfel_count; i++) {
     b.kept[0][i] = direct->all[i];

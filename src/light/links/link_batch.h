@@ -8,13 +8,14 @@
 enum {
   OLX_LINK_PACKET = 64,      // rays that are cast together
   OLX_CHAIN_MOST = 4,        // surfaces that a ray may reach; the last one counts as matte and passes nothing on
-  OLX_LINK_CHAIN_SHIFT = 29, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
+  OLX_LINK_CHAIN_SHIFT = 28, // bits of `end` above the surfel's index: number of surfaces that passed the ray on
   OLX_LINK_CHAIN_MASK = 3
 };
 
-// Flag in `end`: the ray itself found the direct light at its end but for that of an even sky, and the link does not
-// carry it.
+// Flags in `end`: the ray itself found the direct light at its end, and the link does not carry it; with the second flag
+// this includes the light of the sky.
 #define OLX_LINK_LIT (1u << 31)
+#define OLX_LINK_SKY_LIT (1u << 30)
 
 #define OLX_LINK_NOWHERE                                                                                               \
   ((1u << OLX_LINK_CHAIN_SHIFT) - 1)             // the ray brings nothing: sky, only emission, or a black surface
@@ -23,7 +24,7 @@ enum {
 // A link (links.h). The irradiance at the end times the weight is pi times the radiance that arrives, times the ray's
 // worth, over the density of rays there.
 typedef struct olx_link {
-  uint32_t end;    // the surfel's index, the number of surfaces on the way, and OLX_LINK_LIT
+  uint32_t end;    // the surfel's index, the number of surfaces on the way, and the flags
   uint32_t weight; // RGB9E5
 } olx_link;
 
@@ -34,19 +35,21 @@ static inline uint32_t olx_link_chain(const olx_link *link) {
 // Returns whether the link ends at a surfel.
 static inline bool olx_link_brings_light(const olx_link *link) { return olx_link_end(link) < OLX_LINK_UNSERVED; }
 
-// The direct irradiance of surfels in W/m^2: all of it, and that of an even sky, which rays do not find themselves.
+// The direct irradiance of surfels in W/m^2.
 typedef struct olx_surfel_direct {
-  const olx_vec3 *all, *sky; // sky is NULL where rays find all direct light themselves
+  const olx_vec3 *all, *sky; // of all emitters, and of the sky alone; sky may be NULL where all rays find its light
 } olx_surfel_direct;
 
-// Returns the direct light that a link with OLX_LINK_LIT does not carry.
-static inline olx_vec3 olx_direct_of_rays(const olx_surfel_direct *direct, uint32_t surfel) {
-  return direct->sky ? olx_sub(direct->all[surfel], direct->sky[surfel]) : direct->all[surfel];
+// Returns the direct irradiance that a link carries, which ends at a surfel.
+static inline olx_vec3 olx_direct_of_link(const olx_link *link, const olx_surfel_direct *direct) {
+  if (!(link->end & OLX_LINK_LIT)) return direct->all[olx_link_end(link)];
+  const bool is_found = link->end & OLX_LINK_SKY_LIT || !direct->sky;
+  return is_found ? olx_splat(0.0f) : direct->sky[olx_link_end(link)];
 }
 
 // Light that rays bring without a link, by the number of surfaces between its emitter and the surfel, less one:
-// emission and sky that surfaces on the way reflect, and direct light at the end where the link is OLX_LINK_LIT. They
-// are sums over rays of radiance times pi.
+// emission and sky that surfaces on the way reflect, direct light at the end where the link does not carry it, and the
+// light of surfaces near lamps that rays bring (field/near_lamps.h). They are sums over rays of radiance times pi.
 typedef struct olx_fixed_light {
   olx_vec3 sum[OLX_CHAIN_MOST];
   float square; // sum over rays of the squared luminance

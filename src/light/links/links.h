@@ -64,8 +64,7 @@ static inline olx_vec3 olx_link_light(const olx_link *link, const olx_surfel_dir
                                       const olx_vec3 *irradiance) {
   if (!olx_link_brings_light(link)) return olx_splat(0.0f);
   const uint32_t end = olx_link_end(link);
-  olx_vec3 light = olx_add(direct->all[end], irradiance[end]);
-  if (link->end & OLX_LINK_LIT) light = olx_sub(light, olx_direct_of_rays(direct, end));
+  const olx_vec3 light = olx_add(olx_direct_of_link(link, direct), irradiance[end]);
   return olx_mul(olx_rgb9e5_unpack(link->weight), light);
 }
 

@@ -53,7 +53,9 @@ static olx_link link_to(const olx_ray_caster *c, const olx_surface *surface, con
   if (found.surfel == OLX_CELL_NONE) return link;
   const float side = olx_max(found.side, s->surfels[found.surfel].side);
   link.end = found.surfel | chain << OLX_LINK_CHAIN_SHIFT;
-  if (finds_light(s, found.surfel, side, distance)) link.end |= OLX_LINK_LIT;
+  if (!finds_light(s, found.surfel, side, distance)) return link;
+  link.end |= OLX_LINK_LIT;
+  if (!olx_environment_is_even(s->scene) || olx_surfel_sees_sky(s, found.surfel)) link.end |= OLX_LINK_SKY_LIT;
   return link;
 }
 
@@ -111,21 +113,22 @@ static void add_lamps(const olx_ray_caster *c, const way *w, const olx_surface *
   add_light(end, w->chain + 1, olx_mul(w->throughput, light));
 }
 
-// Where the sky is even, rays do not sample it. Surfels bring its light to the ends of rays, and rays that are passed on
-// meet it: through a small window, samples of the whole sky would rarely find it.
+// Rays that are passed on meet an even sky, so that it is not sampled. Samples would rarely find it through a small
+// window.
 static olx_direct_kinds sampled_kinds(const olx_ray_caster *c) {
-  return c->surfels->even_sky ? OLX_DIRECT_BUT_SKY : OLX_DIRECT_ALL;
+  return olx_environment_is_even(c->surfels->scene) ? OLX_DIRECT_BUT_SKY : OLX_DIRECT_ALL;
 }
 
 // Returns the radiance of the sky that a ray meets behind its last surface.
 static olx_vec3 sky_met(const olx_ray_caster *c, const way *w) {
   const olx_scene *scene = c->surfels->scene;
-  if (c->surfels->even_sky) return olx_environment_radiance(scene, w->lobe.direction);
+  if (olx_environment_is_even(scene)) return olx_environment_radiance(scene, w->lobe.direction);
   return w->lit ? olx_splat(0.0f) : olx_sky_found(scene, &w->lobe);
 }
 
-static olx_vec3 direct_irradiance(const olx_ray_caster *c, way *w, const olx_surface *surface, uint64_t *rays) {
-  const olx_direct_query query = {.kinds = sampled_kinds(c), .dark = dark_of(c, w)};
+static olx_vec3 direct_irradiance(const olx_ray_caster *c, way *w, const olx_surface *surface, olx_direct_kinds kinds,
+                                  uint64_t *rays) {
+  const olx_direct_query query = {.kinds = kinds, .dark = dark_of(c, w)};
   return olx_direct_irradiance_of(c->surfels->scene, surface, &query, &w->sampler, rays);
 }
 
@@ -156,10 +159,11 @@ static bool pass_specular(const olx_ray_caster *c, way *w, const olx_shading *sh
 static bool pass_diffuse(const olx_ray_caster *c, way *w, const olx_surface *surface, olx_vec3 weight, olx_ray_end *end,
                          uint64_t *rays) {
   end->needs |= lights_needed | UINT64_C(1) << OLX_INPUT_SURFELS;
-  const olx_vec3 irradiance = direct_irradiance(c, w, surface, rays);
+  const bool last = w->chain + 1 == OLX_CHAIN_MOST; // no ray goes on, which could meet the sky
+  const olx_vec3 irradiance = direct_irradiance(c, w, surface, last ? OLX_DIRECT_ALL : sampled_kinds(c), rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   end->link = olx_ray_end_none().link;
-  if (w->chain + 1 == OLX_CHAIN_MOST) return false;
+  if (last) return false;
   if (c->surfels->lamps.count > 0) {
     const olx_vec3 near = olx_lamp_irradiance(&c->surfels->lamps, c->surfels->scene, surface, &w->sampler, rays);
     end->needs |= c->surfels->lamps.needs;
@@ -182,7 +186,8 @@ static bool end_way(const olx_ray_caster *c, way *w, const olx_surface *surface,
   if (olx_ray_end_is_unserved(end)) return c->ends_unserved;
   if (!(end->link.end & OLX_LINK_LIT) || !olx_link_brings_light(&end->link)) return true;
   end->needs |= lights_needed;
-  const olx_vec3 irradiance = direct_irradiance(c, w, surface, rays);
+  const olx_direct_kinds kinds = end->link.end & OLX_LINK_SKY_LIT ? OLX_DIRECT_ALL : OLX_DIRECT_BUT_SKY;
+  const olx_vec3 irradiance = direct_irradiance(c, w, surface, kinds, rays);
   add_light(end, w->chain + 1, olx_scale(olx_mul(weight, irradiance), 1.0f / OLX_PI));
   return true;
 }
@@ -295,7 +300,8 @@ olx_vec3 olx_ray_end_light(const olx_ray_end *end, float factor, float near_fact
   if (olx_link_brings_light(&end->link)) {
     const uint32_t at = olx_link_end(&end->link);
     olx_vec3 passed = light->all[at];
-    if (end->link.end & OLX_LINK_LIT) passed = olx_sub(passed, olx_direct_of_rays(&light->direct, at));
+    if (end->link.end & OLX_LINK_LIT)
+      passed = olx_add(olx_sub(passed, light->direct.all[at]), olx_direct_of_link(&end->link, &light->direct));
     sum = olx_add(sum, olx_mul(olx_rgb9e5_unpack(end->link.weight), passed));
   }
   return olx_madd(olx_scale(sum, factor), near, near_factor * OLX_PI);

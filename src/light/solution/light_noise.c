@@ -10,7 +10,8 @@ static const float INTERPOLATED_VARIANCE = 0.2f;
 static const float DARK_SHARE = 0.002f;
 // Surfels learn from those of the cell this many levels above their own how uneven light may be.
 enum { WIDE_LEVELS = OLX_POOL_LEVELS + 3 };
-// A pool knows the variance of its rays where they should have met what brings it about this often.
+// The rays of a pool are taken to know their variance when they should have met a bright place of their surroundings
+// this often.
 static const double ENOUGH_HITS = 8.0;
 // Further rays are cast only where they are at least this share of the first rays.
 static const float ENOUGH_RAYS = 0.25f;
@@ -55,7 +56,8 @@ static double missed(const noise_sum *pool, const noise_sum *wide) {
 }
 
 // Averages the variance with surfels of the same size nearby, which see about the same: the few first rays of a surfel
-// may all miss a small bright source and then seem to agree. (Hidden surfels never get more than their first rays.)
+// may all miss a small bright source and then seem to agree, and adds what all rays there may have missed. (Hidden
+// surfels never get more than their first rays.)
 static void smooth(const olx_scene_light *l, const noise_sum *sums, const noise_sum *wide, const uint32_t *wide_of,
                    float *variance, float *light) {
   for (uint32_t i = 0; i < l->visible; i++) {

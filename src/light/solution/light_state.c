@@ -115,7 +115,7 @@ static void save_lit(const olx_scene_light *l, olx_byte_writer *to) {
   save_array(l->links.worth, count, sizeof *l->links.worth, to);
   save_array(l->direct, count, sizeof *l->direct, to);
   save_array(l->sky, count, sizeof *l->sky, to);
-  save_array(l->surfels.uneven, count, sizeof *l->surfels.uneven, to);
+  save_array(l->surfels.marks, count, sizeof *l->surfels.marks, to);
   save_array(l->irradiance, count, sizeof *l->irradiance, to);
   save_array(l->passed_on, count, sizeof *l->passed_on, to);
   save_array(l->noise, count, sizeof *l->noise, to);
@@ -131,7 +131,7 @@ static void load_lit(olx_scene_light *l, olx_byte_reader *from) {
   l->links.worth = load_array(from, sizeof *l->links.worth);
   l->direct = load_array(from, sizeof *l->direct);
   l->sky = load_array(from, sizeof *l->sky);
-  l->surfels.uneven = load_array(from, sizeof *l->surfels.uneven);
+  l->surfels.marks = load_array(from, sizeof *l->surfels.marks);
   l->irradiance = load_array(from, sizeof *l->irradiance);
   l->passed_on = load_array(from, sizeof *l->passed_on);
   l->noise = load_array(from, sizeof *l->noise);

@@ -293,20 +293,43 @@ static olx_result settle_exploring(olx_scene_light *l) {
   return begin_direct(l);
 }
 
-// Finds the cells that the sun reaches in part, or may do so. All cells of a larger one, whose surfels learn together,
-// are judged as one. If a cell's own few points decided, a mean would be kept where it is too small because all points
-// happen to miss the sun, but replaced where it is too large because all of them happen to meet it.
-static olx_result find_uneven(olx_scene_light *l) {
+// What direct light says of the surfels of a pool.
+typedef struct pool_direct {
+  uint32_t sun; // where the sun reaches their points
+  uint32_t count;
+  double sky; // sum of the luminance of the sky's irradiance
+} pool_direct;
+
+// Of an even sky, rays sample the light themselves where surfels receive at least this share of what the whole
+// hemisphere would send: samples find it easily there, and a mean over a cell may be far off behind a window's frame.
+static const double SEEN_SHARE = 0.125;
+
+static uint8_t marks_of(const olx_scene_light *l, const pool_direct *pool) {
+  const double whole = (double)OLX_PI * (double)olx_environment_mean(l->scene);
+  const bool sees_sky = pool->sky > 0.0 && pool->sky >= SEEN_SHARE * whole * pool->count;
+  return (uint8_t)((pool->sun == OLX_SUN_UNEVEN ? OLX_SURFEL_UNEVEN : 0) | (sees_sky ? OLX_SURFEL_SEES_SKY : 0));
+}
+
+// Marks the cells that the sun reaches in part, or may do so, and those that see much of the sky. All cells of a larger
+// one, whose surfels learn together, are judged as one. If a cell's own few points decided, a mean would be kept where
+// it is too small because all points happen to miss the sun, but replaced where it is too large because all of them
+// happen to meet it.
+static olx_result mark(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
-  bool *uneven = l->surfels.uneven = olx_allocate(count, sizeof *uneven);
-  uint8_t *sun = olx_allocate_zero(l->guide.pool_count, sizeof *sun);
-  if (!uneven || !sun) {
-    olx_release(sun);
+  uint8_t *marks = l->surfels.marks = olx_allocate(count, sizeof *marks);
+  pool_direct *pools = olx_allocate_zero(l->guide.pool_count, sizeof *pools);
+  if (!marks || !pools) {
+    olx_release(pools);
     return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
   }
-  for (uint32_t i = 0; i < count; i++) sun[l->guide.pool_of[i]] |= (uint8_t)l->lit[i].sun;
-  for (uint32_t i = 0; i < count; i++) uneven[i] = sun[l->guide.pool_of[i]] == OLX_SUN_UNEVEN;
-  olx_release(sun);
+  for (uint32_t i = 0; i < count; i++) {
+    pool_direct *pool = &pools[l->guide.pool_of[i]];
+    pool->sun |= l->lit[i].sun;
+    pool->sky += (double)olx_luminance(l->lit[i].sky);
+    pool->count++;
+  }
+  for (uint32_t i = 0; i < count; i++) marks[i] = marks_of(l, &pools[l->guide.pool_of[i]]);
+  olx_release(pools);
   return OLX_OK;
 }
 
@@ -314,14 +337,15 @@ static olx_result find_uneven(olx_scene_light *l) {
 static olx_result take_direct(olx_scene_light *l) {
   const uint32_t count = l->surfels.count;
   l->direct = olx_allocate(count, sizeof *l->direct);
-  if (l->surfels.even_sky) l->sky = olx_allocate(count, sizeof *l->sky);
-  if (!l->direct || (l->surfels.even_sky && !l->sky))
+  const bool even_sky = olx_environment_is_even(l->scene);
+  if (even_sky) l->sky = olx_allocate(count, sizeof *l->sky);
+  if (!l->direct || (even_sky && !l->sky))
     return olx_fail(OLX_ERROR_MEMORY, "light: out of memory for %u surfels", count);
   for (uint32_t i = 0; i < count; i++) {
     l->direct[i] = l->lit[i].light;
     if (l->sky) l->sky[i] = l->lit[i].sky;
   }
-  OLX_TRY(find_uneven(l));
+  OLX_TRY(mark(l));
   olx_release(l->lit);
   l->lit = NULL;
   return OLX_OK;

@@ -62,7 +62,6 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
                            .seed = seed,
                            .spacing = spacing,
                            .threads = threads};
-  s->even_sky = olx_environment_is_even(scene);
   OLX_TRY(olx_lamp_light_create(&s->lamps, scene, scene->lights, scene->light_count));
   return olx_cell_table_create(&s->table, 1024);
 }
@@ -70,7 +69,7 @@ olx_result olx_light_surfels_create(olx_light_surfels *s, const olx_scene *scene
 void olx_light_surfels_free(olx_light_surfels *s) {
   olx_release(s->points);
   olx_release(s->surfels);
-  olx_release(s->uneven);
+  olx_release(s->marks);
   olx_cell_table_free(&s->table);
   olx_near_lamps_free(&s->lamps);
   *s = (olx_light_surfels){0};

@@ -47,8 +47,7 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
-  bool even_sky;        // rays do not sample the sky: surfels bring its light to their ends
-  bool *uneven;         // for each surfel, whether the sun reaches its cell, or cells near it, in part; NULL: not known
+  uint8_t *marks;       // of each surfel, from its direct light (OLX_SURFEL_UNEVEN); NULL: not known
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED
   uint64_t rays;        // rays cast to explore distances
@@ -57,8 +56,19 @@ typedef struct olx_light_surfels {
 
 #define OLX_CELL_DIVIDED 0x80000000u
 
+// What direct light says of a surfel's cell and cells near it: the sun reaches them in part, or much of the sky does.
+enum { OLX_SURFEL_UNEVEN = 1, OLX_SURFEL_SEES_SKY = 2 };
+
+static inline uint8_t olx_surfel_marks(const olx_light_surfels *surfels, uint32_t surfel) {
+  return surfels->marks ? surfels->marks[surfel] : 0;
+}
+
 static inline bool olx_surfel_is_uneven(const olx_light_surfels *surfels, uint32_t surfel) {
-  return surfels->uneven && surfels->uneven[surfel];
+  return olx_surfel_marks(surfels, surfel) & OLX_SURFEL_UNEVEN;
+}
+
+static inline bool olx_surfel_sees_sky(const olx_light_surfels *surfels, uint32_t surfel) {
+  return olx_surfel_marks(surfels, surfel) & OLX_SURFEL_SEES_SKY;
 }
 
 olx_result olx_light_surfels_create(olx_light_surfels *surfels, const olx_scene *scene, float spacing, uint32_t seed,

@@ -14,7 +14,7 @@ typedef struct surfel_numbers {
   float side, nearest;
   uint32_t next, triangle, back_face;
   float u, v;
-  uint32_t marks;
+  uint32_t marks; // olx_surfel_marks
 } surfel_numbers;
 
 _Static_assert(sizeof(surfel_numbers) == 64, "no padding that the hash would see");

@@ -12,8 +12,8 @@ enum {
   OLX_LINK_CHAIN_MASK = 3
 };
 
-// Flags in `end`: the ray itself found the direct light at its end, and the link does not carry it; with the second flag
-// this includes the light of the sky.
+// Flags in `end`. The ray itself found the direct light at its end, and the link does not carry it. With the second
+// flag this includes the light of the sky.
 #define OLX_LINK_LIT (1u << 31)
 #define OLX_LINK_SKY_LIT (1u << 30)
 

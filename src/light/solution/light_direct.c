@@ -1,5 +1,5 @@
-// Finds the direct light of surfels from samples at points of their cells. Surfels close together first learn where they
-// see the sky, such as through a window.
+// Finds the direct light of surfels from samples at points of their cells. Surfels close together first learn where
+// they see the sky, such as through a window.
 #include "light/solution/light_direct.h"
 
 #include "core/hooks.h"

@@ -47,7 +47,7 @@ typedef struct olx_light_surfels {
   uint32_t point_count;
   olx_light_surfel *surfels;
   uint32_t count, capacity;
-  uint8_t *marks;       // of each surfel, from its direct light (OLX_SURFEL_UNEVEN); NULL: not known
+  uint8_t *marks;       // of each surfel: OLX_SURFEL_UNEVEN, OLX_SURFEL_SEES_SKY; NULL: not known yet
   olx_cell_table table; // from cells to surfels; from divided cells to the first surfel in their parts, marked
                         // OLX_CELL_DIVIDED
   uint64_t rays;        // rays cast to explore distances

@@ -6,6 +6,7 @@
 #include "field/field_chunks.h"
 #include "made_scenes.h"
 #include "scene/builtin/builtin_shapes.h"
+#include "scene/bvh.h"
 #include "shade/surface_irradiance.h"
 
 #include <octalux/render.h>
@@ -162,6 +163,40 @@ static void a_floor_just_behind_a_border_of_cells_is_served(void **state) {
     olx_field_close(field);
     olx_scene_free(scene);
   }
+}
+
+// A screen divides a room but for a gap above it, and one of its faces lies 2 cm behind a border of cells. The cells at
+// the gap are one space on both sides of the screen, so a coarse cell has probes behind the screen alone.
+static void places_beside_an_opening_see_their_probes(void **state) {
+  (void)state;
+  const olx_vec3 low = {-2, -1, -1}, high = {2, 1.5f, 1.5f};
+  const float face = 0.01f, top = 0.7f;
+  olx_scene *scene = made_scene();
+  const uint32_t wall = grey(scene, 1.0f);
+  add_room(scene, low, high, wall);
+  assert_int_equal(olx_add_box(scene, "screen", olx_v3(face, low.y, low.z), olx_v3(face + 0.1f, high.y, top), wall),
+                   OLX_OK);
+  made_finish(scene);
+  olx_bake_settings settings = small_settings(scene);
+  settings.noise = 0.5f; // light does not matter here
+  set_two_probes(&settings);
+  olx_field *field = baked_field(scene, &settings, NULL);
+  uint32_t blind = 0;
+  for (uint32_t i = 0; i < PLACES; i++) {
+    olx_vec3 p = random_place(olx_v3(face, low.y, top - 0.2f), olx_v3(face, high.y, top), i);
+    olx_volume_place place;
+    assert_true(olx_volume_find_at(&field->volume, p, olx_v3(-1, 0, 0), &place));
+    p.x -= 1e-4f;
+    float seen = 0.0f;
+    for (uint32_t k = 0; k < OLX_VOLUME_CORNERS; k++) {
+      if (olx_bvh_is_clear(scene->bvh, p, field->volume.positions[place.probes[k]])) seen += place.weights[k];
+    }
+    blind += seen < 0.1f;
+  }
+  print_message("%u of %u places see less than a tenth of what lights them\n", blind, (unsigned)PLACES);
+  assert_true(blind < PLACES / 50);
+  olx_field_close(field);
+  olx_scene_free(scene);
 }
 
 static void the_sides_of_a_sheet_have_probes_of_their_own(void **state) {
@@ -409,6 +444,7 @@ int main(void) {
       cmocka_unit_test(a_glowing_room_follows_the_series),
       cmocka_unit_test(rooms_behind_a_thin_wall_have_probes_of_their_own),
       cmocka_unit_test(a_floor_just_behind_a_border_of_cells_is_served),
+      cmocka_unit_test(places_beside_an_opening_see_their_probes),
       cmocka_unit_test(the_sides_of_a_sheet_have_probes_of_their_own),
       cmocka_unit_test(light_in_free_space_is_that_of_path_tracing),
       cmocka_unit_test(bytes_do_not_depend_on_threads),

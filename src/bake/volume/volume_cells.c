@@ -1,13 +1,19 @@
-// Divides free space into cubic cells, small near surfaces, gives the sides of each cell their probes, and writes it
-// all into the structure that a field holds.
+// Divides free space into cubic cells, small near surfaces and smaller where those would not see their probes, gives
+// the sides of each cell their probes, and writes it all into the structure that a field holds.
 #include "bake/volume/volume_cells.h"
 
+#include "bake/volume/volume_sight.h"
 #include "core/hooks.h"
 #include "core/result.h"
 #include "light/surfels/surface_cells.h"
 #include "scene/bvh.h"
 
-enum { CELLS_PER_JOB = 16, PARTS = 1 << OLX_VOLUME_LEVELS, NO_NEXT = -1 };
+enum {
+  CELLS_PER_JOB = 16,
+  PARTS = 1 << OLX_VOLUME_LEVELS,
+  NEAR_LEVELS = OLX_VOLUME_LEVELS - 1, // how often a cube is halved because surfaces are near
+  NO_NEXT = -1
+};
 
 // A cell is halved when a surface is nearer to its middle than this share of its side: that is, when a surface is in
 // the cell or close to it.
@@ -34,6 +40,7 @@ typedef struct builder {
   leaf *leaves;
   uint32_t leaf_count, leaf_capacity;
   olx_volume_sides *sides; // of each leaf
+  bool *blind;             // of each leaf: its probes cannot light it, and it may be halved
   olx_cell_table corners, chains;
   stand_in *stand_ins;
   uint32_t stand_in_count;
@@ -64,6 +71,12 @@ static olx_result add_leaf(builder *b, leaf cell) {
   return OLX_OK;
 }
 
+// Returns one of the eight cells that halving makes of one.
+static leaf part_of(leaf cell, uint32_t i) {
+  const uint32_t half = (PARTS >> cell.level) / 2;
+  return (leaf){cell.x + half * (i & 1), cell.y + half * (i >> 1 & 1), cell.z + half * (i >> 2), cell.level + 1};
+}
+
 static olx_result divide(builder *b, leaf cell) {
   const uint32_t parts = PARTS >> cell.level;
   const float side = b->part * (float)parts;
@@ -71,14 +84,10 @@ static olx_result divide(builder *b, leaf cell) {
   if (b->leaf_count > b->most_cells) return OLX_OK; // too many; the caller begins anew
   if (!olx_volume_space_touches(b->space, low, olx_add(low, olx_splat(side)))) return OLX_OK;
   const olx_vec3 middle = olx_add(low, olx_splat(0.5f * side));
-  if (cell.level == OLX_VOLUME_LEVELS || olx_bvh_distance(b->space->scene->bvh, middle, NEAR * side) >= NEAR * side) {
+  if (cell.level == NEAR_LEVELS || olx_bvh_distance(b->space->scene->bvh, middle, NEAR * side) >= NEAR * side) {
     return add_leaf(b, cell);
   }
-  const uint32_t half = parts / 2;
-  for (uint32_t i = 0; i < 8; i++) {
-    const leaf part = {cell.x + half * (i & 1), cell.y + half * (i >> 1 & 1), cell.z + half * (i >> 2), cell.level + 1};
-    OLX_TRY(divide(b, part));
-  }
+  for (uint32_t i = 0; i < 8; i++) OLX_TRY(divide(b, part_of(cell, i)));
   return OLX_OK;
 }
 
@@ -110,12 +119,55 @@ static olx_result divide_space(builder *b) {
 static void find_sides(void *user, uint32_t job) {
   builder *b = user;
   const uint32_t end = (job + 1) * CELLS_PER_JOB < b->leaf_count ? (job + 1) * CELLS_PER_JOB : b->leaf_count;
+  const float lift = b->header.cube_metres * OLX_VOLUME_LIFT;
   for (uint32_t i = job * CELLS_PER_JOB; i < end; i++) {
     const leaf *l = &b->leaves[i];
     const float side = b->part * (float)(PARTS >> l->level);
-    olx_volume_sides_find(b->space, place_of(b, l->x, l->y, l->z), side, b->header.cube_metres * OLX_VOLUME_LIFT,
-                          &b->sides[i]);
+    const olx_vec3 low = place_of(b, l->x, l->y, l->z);
+    olx_volume_sides_find(b->space, low, side, lift, &b->sides[i]);
+    b->blind[i] = l->level == NEAR_LEVELS && olx_volume_is_blind(b->space, low, side, lift, &b->sides[i]);
   }
+}
+
+static olx_result find_all_sides(builder *b, uint32_t threads) {
+  olx_release(b->sides);
+  olx_release(b->blind);
+  b->sides = olx_allocate(b->leaf_count, sizeof *b->sides);
+  b->blind = olx_allocate(b->leaf_count, sizeof *b->blind);
+  if (!b->sides || !b->blind) return out_of_memory();
+  return olx_parallel_for((b->leaf_count + CELLS_PER_JOB - 1) / CELLS_PER_JOB, threads, find_sides, b, NULL, 0);
+}
+
+static olx_result add_parts(builder *b, leaf cell) {
+  const float side = b->part * (float)(PARTS >> cell.level) * 0.5f;
+  for (uint32_t i = 0; i < 8; i++) {
+    const leaf part = part_of(cell, i);
+    const olx_vec3 low = place_of(b, part.x, part.y, part.z), high = olx_add(low, olx_splat(side));
+    if (olx_volume_space_touches(b->space, low, high)) OLX_TRY(add_leaf(b, part));
+  }
+  return OLX_OK;
+}
+
+static olx_result halve_all(builder *b, const leaf *before, uint32_t count) {
+  b->leaf_count = b->leaf_capacity = 0;
+  b->leaves = NULL;
+  for (uint32_t i = 0; i < count; i++) {
+    if (b->blind[i]) OLX_TRY(add_parts(b, before[i]));
+    else OLX_TRY(add_leaf(b, before[i]));
+  }
+  return OLX_OK;
+}
+
+// Halves blind leaves, where that does not make too many.
+static olx_result halve_blind(builder *b, uint32_t threads) {
+  uint32_t blind = 0;
+  for (uint32_t i = 0; i < b->leaf_count; i++) blind += b->blind[i];
+  if (blind == 0 || b->leaf_count + 7 * blind > b->most_cells) return OLX_OK;
+  leaf *before = b->leaves;
+  const olx_result result = halve_all(b, before, b->leaf_count);
+  olx_release(before);
+  OLX_TRY(result);
+  return find_all_sides(b, threads);
 }
 
 static olx_result allocate_structure(builder *b) {
@@ -295,9 +347,8 @@ static olx_result build(builder *b, uint32_t threads, olx_volume_cells *cells) {
     b->part *= 2.0f;
     OLX_TRY(divide_space(b));
   }
-  b->sides = olx_allocate(b->leaf_count, sizeof *b->sides);
-  if (!b->sides) return out_of_memory();
-  OLX_TRY(olx_parallel_for((b->leaf_count + CELLS_PER_JOB - 1) / CELLS_PER_JOB, threads, find_sides, b, NULL, 0));
+  OLX_TRY(find_all_sides(b, threads));
+  OLX_TRY(halve_blind(b, threads));
   OLX_TRY(allocate_structure(b));
   OLX_TRY(add_leaves(b));
   return b->header.cells ? join(b, cells) : OLX_OK;
@@ -308,12 +359,14 @@ olx_result olx_volume_cells_create(const olx_volume_space *space, uint32_t along
   *cells = (olx_volume_cells){0};
   if (space->empty) return OLX_OK;
   const olx_vec3 extent = olx_sub(space->space.box.max, space->space.box.min);
-  builder b = {.space = space, .most_cells = most_cells, .part = olx_volume_least_metres(olx_max3(extent), along)};
+  const float regular = olx_volume_least_metres(olx_max3(extent), along);
+  builder b = {.space = space, .most_cells = most_cells, .part = regular / (float)(PARTS >> NEAR_LEVELS)};
   const olx_result result = build(&b, threads, cells);
   olx_cell_table_free(&b.corners);
   olx_cell_table_free(&b.chains);
   olx_release(b.leaves);
   olx_release(b.sides);
+  olx_release(b.blind);
   olx_release(b.stand_ins);
   olx_release(b.positions);
   olx_release(b.index);

@@ -13,8 +13,9 @@ typedef struct olx_volume_cells {
   float least_metres; // side of the smallest cells
 } olx_volume_cells;
 
-// Divides `space` into cells. `along` is the greatest number of smallest cells along the longest side of the space;
-// they are larger where otherwise there would be more than `most_cells`.
+// Divides `space` into cells. `along` is the greatest number of cells near surfaces along the longest side of the space;
+// they are larger where otherwise there would be more than `most_cells`, and of half that side where their surfaces
+// would hardly see the probes that light them.
 olx_result olx_volume_cells_create(const olx_volume_space *space, uint32_t along, uint32_t most_cells, uint32_t threads,
                                    olx_volume_cells *cells);
 void olx_volume_cells_free(olx_volume_cells *cells);

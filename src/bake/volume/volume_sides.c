@@ -14,10 +14,9 @@ enum {
   OUTER_FACES = OLX_VOLUME_MOST_SPLITS - DEPTH // around a side
 };
 
-// The outermost places lie this share of a side within the cell: a wall that cuts off less is not seen. It is half of
-// the lift of places on surfaces (OLX_VOLUME_LIFT) in the smallest cells, those with surfaces, so that a surface either
-// has a cell or is lifted into the next one.
-static const float INSET = 0.5f * OLX_VOLUME_LIFT * (float)(1 << OLX_VOLUME_LEVELS);
+// The outermost places lie this share of the lift of places on surfaces within the cell: a wall that cuts off less is
+// not seen, and a surface either has a cell or is lifted into the next one.
+static const float INSET = 0.5f;
 // Probes keep this share of a cell's side off surfaces.
 static const float CLEARANCE = 1.0f / 16.0f;
 // Half the diagonal of a cell and the clearance of its corners, in sides.
@@ -40,7 +39,8 @@ olx_vec3 olx_volume_corner(olx_vec3 low, float side, uint32_t corner) {
 
 static void spread_places(cell_places *c) {
   static const float third = 1.0f / 3.0f;
-  const float steps[LATTICE] = {INSET, third, 2.0f * third, 1.0f - INSET};
+  const float inset = INSET * c->lift / c->side;
+  const float steps[LATTICE] = {inset, third, 2.0f * third, 1.0f - inset};
   c->free = c->shut_out = 0;
   for (uint32_t i = 0; i < PLACES; i++) {
     const olx_vec3 step = olx_v3(steps[i % 4], steps[i / 4 % 4], steps[i / 16]);

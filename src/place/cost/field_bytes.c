@@ -27,9 +27,10 @@ enum {
 // The bake's indirect light takes this many times the bytes of rough light, because it has shadows and noise; measured
 // in rooms, where it takes between 0.85 and 1.18 times as many.
 #define UNEVEN 1.04
-// The irradiance volume takes bytes in proportion to the area of space in faces of its smallest cells, as far as there
-// may be so many; measured in rooms.
-#define VOLUME_FACE_BYTES 210.0
+// The irradiance volume takes bytes in proportion to the area of the box around space in faces of its regular cells, and
+// to that of the surfaces within it, as far as there may be so many; measured in rooms.
+#define VOLUME_FACE_BYTES 255.0
+#define VOLUME_WALL_BYTES 250.0
 #define VOLUME_BYTES 1000.0
 #define VOLUME_MOST_BYTES 6.5e6
 #define BRICKS_SHARE 0.75 // of their budget; the size of their cells leaves them between 0.45 and 0.97 of it
@@ -215,13 +216,24 @@ olx_result olx_texel_bytes_sample(const olx_planned_maps *maps, uint32_t threads
   return result;
 }
 
+static double area_of(const olx_scene *scene) {
+  double area = 0.0;
+  for (uint32_t i = 0; i < scene->triangle_count; i++) {
+    const uint32_t *corner = scene->indices + 3 * (size_t)i;
+    const olx_vec3 a = scene->positions[corner[0]], b = scene->positions[corner[1]], c = scene->positions[corner[2]];
+    area += 0.5 * (double)olx_length(olx_cross(olx_sub(b, a), olx_sub(c, a)));
+  }
+  return area;
+}
+
 double olx_expected_volume_bytes(const olx_scene *scene, uint32_t map_size, uint32_t most_cells) {
   olx_box box;
   if (most_cells == 0 || olx_space_box(scene, &box) != OLX_OK) return 0.0;
   const olx_vec3 side = olx_sub(box.max, box.min);
   const float cell = olx_volume_least_metres(olx_max3(side), olx_volume_cells_along(map_size, most_cells));
-  const float area = 2.0f * (side.x * side.y + side.y * side.z + side.z * side.x);
-  return fmin(VOLUME_BYTES + VOLUME_FACE_BYTES * (double)(area / (cell * cell)), VOLUME_MOST_BYTES);
+  const double faces = 2.0 * (double)(side.x * side.y + side.y * side.z + side.z * side.x),
+               walls = fmin(fmax(area_of(scene) - faces, 0.0), faces), face = (double)cell * (double)cell;
+  return fmin(VOLUME_BYTES + (VOLUME_FACE_BYTES * faces + VOLUME_WALL_BYTES * walls) / face, VOLUME_MOST_BYTES);
 }
 
 uint64_t olx_expected_bytes(const olx_field_header *header, double volume_bytes, const olx_texel_bytes *texels) {

@@ -107,9 +107,9 @@ typedef struct olx_bake_settings {
   olx_bake_light light;     // default OLX_LIGHT_CACHE
   float noise;              // greatest standard error of indirect light, as a share of it, 0.001 to 1; default 0.02
   uint32_t reference_paths; // paths a texel, with OLX_LIGHT_REFERENCE, 1 to 65536; default 64
-  uint32_t volume_cells;    // smallest cells of the irradiance volume along the longest side of free space, 0 to 256,
-                            // of which radiance_size / 16, at least 1, are used; 0, or OLX_LIGHT_REFERENCE: no volume.
-                            // Default 32
+  uint32_t volume_cells;    // cells of the irradiance volume along the longest side of free space, 0 to 256, of which
+                            // radiance_size / 16, at least 1, are used; some are halved (docs/baking.md, "The
+                            // irradiance volume"); 0, or OLX_LIGHT_REFERENCE: no volume. Default 32
   bool classic;             // also bake classic maps: irradiance probes without visibility (docs/baking.md); default no
   uint32_t classic_size;    // texels along a side of classic maps: a power of two, 32 to 256; default 128
   uint32_t classic_cube_size; // along a face of their source cube maps: a power of two, 32 to 1024; default 256

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { UNIT_FORMAT = 4 }; // format of stored units; to be raised whenever it changes
+enum { UNIT_FORMAT = 5 }; // format of stored units; to be raised whenever it changes
 
 // ---- The identity of a bake
 

@@ -142,10 +142,10 @@ void olx_surface_irradiance_points(const olx_field *field, const olx_sample_sett
 // irradiance volume (docs/maths.md, "The irradiance volume"). It lets no light through surfaces that were there when
 // the field was baked.
 // - `position`: metres.
-// - `normal`: unit, of the object's surface; a place is looked up 1/4096 of the smallest cell in front of it. Where the
-// volume has no cell, because neither cameras nor light field probes reach that space, this is 0: light of another room
-// would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0) it is olx_irradiance with
-// default settings: 0 without probe light. Numbers that are not finite give 0.
+// - `normal`: unit, of the object's surface; a place is looked up 1/65536 of the side of the volume's largest cells in
+// front of it. Where the volume has no cell, because neither cameras nor light field probes reach that space, this is
+// 0: light of another room would be a leak. In a field without a volume (olx_field_info.volume.probe_count is 0) it is
+// olx_irradiance with default settings: 0 without probe light. Numbers that are not finite give 0.
 olx_vec3 olx_volume_irradiance(const olx_field *field, olx_vec3 position, olx_vec3 normal);
 
 // Evaluates olx_volume_irradiance at `count` points: irradiance[i], in W/m^2, equals to the last bit its result for

@@ -336,7 +336,6 @@ static olx_result join(builder *b, olx_volume_cells *cells) {
   cells->positions = b->positions;
   cells->probe_count = h->probes;
   cells->cell_count = h->cells;
-  cells->least_metres = b->part;
   b->positions = NULL;
   return OLX_OK;
 }

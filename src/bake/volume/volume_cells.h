@@ -10,7 +10,6 @@ typedef struct olx_volume_cells {
   size_t size_bytes;
   olx_vec3 *positions; // of probes
   uint32_t probe_count, cell_count;
-  float least_metres; // side of the smallest cells
 } olx_volume_cells;
 
 // Divides `space` into cells. `along` is the greatest number of cells near surfaces along the longest side of the space;

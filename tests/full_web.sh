@@ -55,6 +55,7 @@ TIME
 }
 
 show "$work"
+
 # agree PAGE.exr: checks that the page's pixels agree with those of octalux render for the same rays.
 agree() {
   python3 "$source_dir/tests/compare_web.py" "$1" "$work/render.exr" --most-error 5e-4

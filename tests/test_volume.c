@@ -165,7 +165,7 @@ static void a_floor_just_behind_a_border_of_cells_is_served(void **state) {
   }
 }
 
-// A screen divides a room but for a gap above it, and one of its faces lies 2 cm behind a border of cells. The cells at
+// A screen divides a room but for a gap above it, and one of its faces lies 1 cm behind a border of cells. The cells at
 // the gap are one space on both sides of the screen, so a coarse cell has probes behind the screen alone.
 static void places_beside_an_opening_see_their_probes(void **state) {
   (void)state;
